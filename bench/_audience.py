@@ -16,16 +16,16 @@ from typing import IO, Any, Final, Literal
 import numpy as np
 import psutil
 
+from live.app.launch_options import Wish
 from live.app.services.audience_service import AudiencePart
-from live.app.wish import Wish
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
 from live.control.events.events import AudienceHeard, ControlEvent
-from live.render.pacing import Pacer
+from live.render.frame_stats import Pacer
 from live.show.engine import Engine
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
 from live.show.venue.venue import Venue

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._beat_scores import Named, Truth, read_truth
-from live.clock.estimate import BeatEstimate
+from live.clock.beat_estimate import BeatEstimate
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.tracking.beat_tracker import Tracker
+from live.control.audio.analysis import TrackerName, make_tracker
 from live.control.audio.music_file import read_music
-from live.control.audio.trackers import TrackerName, make_tracker
 
 RATE = 44_100
 BLOCK = 512

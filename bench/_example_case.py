@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.clip import Clip
-from live.motion.partner.cloud import Cloud, cloud_of
+from live.motion.partner.point_clouds import Cloud, cloud_of
 from live.motion.partner.units import Example, Units, cut_units
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 

@@ -3,9 +3,9 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import Reading
 from live.motion.partner.partner_synthesis import Search, tolls
+from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units
 from live.motion.partner_live.live_partner import LIVE_RATE
 from live.motion.partner_live.online_decoder import LiveReader

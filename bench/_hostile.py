@@ -14,14 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._show import crowd
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.core import Show
 from live.show.engine import Engine
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
+from live.show.show import Show
 from live.show.status import Status
 
 FPS: Final = 60

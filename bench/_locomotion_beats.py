@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import StageView
 from live.motion import quaternion
+from live.motion.pose.pipeline_kernels import UPPER_FIRST, UPPER_LAST
 from live.motion.pose.pose_pipeline import PoseSkeleton
-from live.motion.pose.posing_kernels import UPPER_FIRST, UPPER_LAST
-from live.show.core import Show
+from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
 

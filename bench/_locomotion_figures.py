@@ -8,10 +8,10 @@ from scipy.spatial import ConvexHull, QhullError
 
 from bench._locomotion_beats import DrawnBeats
 from live.base.stage_snapshot import StageView
-from live.graph.select.placing import turn_vectors
+from live.graph.select.candidates import turn_vectors
 from live.graph.step_library import StepLibrary
-from live.show.core import Show
 from live.show.journal.motion_report import FrameReport
+from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]

@@ -11,7 +11,7 @@ from bench._locomotion_run import ENGINE, FPS, engine_of, show_for
 from bench._locomotion_scenes import BPM, Take, stage
 from live.base.stage_snapshot import StageView
 from live.control.events.event import ControlEvent
-from live.control.osc.osc_decode import decode
+from live.control.osc.osc_codec import decode
 from live.control.registry.registry import REGISTRY
 
 Float64 = npt.NDArray[np.float64]

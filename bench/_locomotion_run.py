@@ -9,14 +9,14 @@ import numpy as np
 
 from bench._locomotion_figures import Figures, Watch
 from bench._locomotion_scenes import Take, changed, events_of, stage
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.base.stage_snapshot import StageView
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent
 from live.graph.motion_graph import MotionGraph
-from live.show.core import Show
 from live.show.engine import Engine
 from live.show.patch.patch import Patch
+from live.show.show import Show
 from live.show.status import Status
 
 FPS: Final = 60.0

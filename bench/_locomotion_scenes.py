@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.control.events.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
-from live.show.load import LoadedShow, show_of
+from live.show.loader import LoadedShow, show_of
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
 
 BPM: Final = 112.0

@@ -8,8 +8,8 @@ import numpy as np
 from bench._beat_scores import TOLERANCE
 from bench._clock_pieces import BLOCK, RATE, Sound, add_beat
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.clock.pauses import Hearing, Pauses
-from live.control.audio.trackers import make_tracker
+from live.clock.silence import Hearing, Pauses
+from live.control.audio.analysis import make_tracker
 
 BPM = 121.3
 FIRST = 0.2

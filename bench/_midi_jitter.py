@@ -11,13 +11,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from live.control.midi.midi_decoder import MidiDecoding
-from live.control.midi.midi_tokens import MidiTokens
+from live.control.midi.midi_streams import MidiTokens
 from live.show.sound.clock_commands import tell
 
 PULSES: Final = 24

@@ -12,17 +12,16 @@ import numpy.typing as npt
 
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.control.capture.mocap_seats import Seat
-from live.control.capture.vmc_encode import vmc_packets
-from live.control.capture.vmc_stream import VmcStream
+from live.control.capture.vmc_input import Seat, VmcStream
+from live.control.capture.vmc_protocol import vmc_packets
 from live.control.events.events import MocapFrame
 from live.control.registry.rejections import Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
-from live.show.core import Show
 from live.show.journal.journal import line_of
-from live.show.load import LoadedShow
-from live.show.patch.mocap import MocapSection
+from live.show.loader import LoadedShow
+from live.show.patch.section_io import MocapSection
+from live.show.show import Show
 
 PERFORMERS: Final = 4
 WARM: Final = 200

@@ -11,8 +11,8 @@ import numpy as np
 
 from live.library.motion_file import read_motion
 from live.motion import quaternion
+from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import repair
-from live.motion.cleanup.glitches import find_glitches
 from live.motion.cleanup.trim_start import find_beginning
 from live.motion.clip import Clip
 from live.motion.formats.source_motion import SourceMotion

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from live.control.osc.osc_encode import encode
+from live.control.osc.osc_codec import encode
 from live.control.registry.registry import REGISTRY
 
 BATCH: Final = 32

@@ -4,14 +4,12 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.clip import Clip
+from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import answer
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import Reading
-from live.motion.partner.fit import fit, stretched
+from live.motion.partner.point_clouds import Cloud, fit, stretched
 from live.motion.partner.units import Units
-from live.motion.sampling import read_clip
 
 Float64 = npt.NDArray[np.float64]
 

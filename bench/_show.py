@@ -3,10 +3,10 @@
 import math
 
 from live.graph.motion_graph import MotionGraph
-from live.show.core import Show
-from live.show.load import LoadedShow, load_show
+from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.show import Show
 
 
 def crowd_patch(patch: Patch, dancers: int) -> Patch:

@@ -127,7 +127,7 @@ def engines(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
     found = []
     for one in psutil.Process(process.pid).children():
         with contextlib.suppress(psutil.NoSuchProcess):  # who was killed is a zombie until the supervisor looks
-            if "live.app.processes.engine_process" in one.cmdline():
+            if "live.app.processes.engine_main" in one.cmdline():
                 found.append((one.create_time(), one))
     return [one for _, one in sorted(found, key=lambda each: each[0])]
 

@@ -12,9 +12,9 @@ from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context
 from live.render.renderer import Renderer
-from live.show.core import Show
-from live.show.load import LoadedShow, load_show
+from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import PATCHES
+from live.show.show import Show
 from live.show.view.render_scene import scene_of
 
 SHOW: Final = PATCHES / "cues" / "show.toml"

@@ -12,20 +12,19 @@ from typing import Final
 import numpy as np
 
 from bench._show import crowd_patch
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.audio import MusicHeard
 from live.control.events.events import Attract, BeatHeard, ControlEvent, SetMotion, StepNow
-from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal.journal import Journal, JournalWriter, read_journal
-from live.show.journal.journal_file import read_snapshots
-from live.show.journal.replay import Replaying
-from live.show.journal.replay_start import first_start
-from live.show.load import LoadedShow, load_show
+from live.show.journal.journal_writer import read_snapshots
+from live.show.journal.replay import Replaying, first_start
+from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 from live.show.status import Status
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent
-from live.rehearse.edits import Edits
-from live.render.pacing import Pacer
+from live.rehearse.fault_injection import Edits
+from live.render.frame_stats import Pacer
 from live.show.engine import Engine
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from live.cli.bench import Row
-from live.show.core import Show
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.show import Show
 
 MEASURES = 5000
 LOAD_BAR_S = 1.5

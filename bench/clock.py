@@ -12,7 +12,7 @@ from bench._beat_scores import Score, lock, score
 from bench._clock_pieces import BLOCK, RATE, SEEDED_AT, Heard, excerpt, listen, made_up
 from bench._long_groove import slips
 from live.cli.bench import Row
-from live.control.audio.trackers import TrackerName, make_tracker
+from live.control.audio.analysis import TrackerName, make_tracker
 
 QUICK = ("o03_band_104", "o12_drums_punk_144", "o17_pop_34")
 """The excerpts of the quick form."""

@@ -22,17 +22,17 @@ import psutil
 from bench import _midi_jitter
 from bench._audience import audience_rows
 from bench._mocap import mocap_rows
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, Signal
-from live.control.osc.osc_encode import encode
+from live.control.osc.osc_codec import encode
 from live.control.osc.osc_process import OscRemote
 from live.control.osc.osc_server import OscInput
-from live.render.pacing import Pacer
+from live.render.frame_stats import Pacer
 from live.show.engine import Engine
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
 

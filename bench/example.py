@@ -13,13 +13,13 @@ from bench import texture_speed
 from bench._example_case import made_leader, made_units
 from live.cli.bench import Row
 from live.motion.partner.answer import answer
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import Reading, decode
+from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units
 from live.motion.partner_live.online_decoder import LiveReader
-from live.motion.partner_live.player import LivePartner
+from live.motion.partner_live.online_player import LivePartner
 
 STRETCH = 0.15
 K = 1.0

@@ -10,7 +10,7 @@ import shapely
 
 from live.agents.formations.drawing import drawing_of
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from live.cli.bench import Row
 
 HEART = "M 0 3 C -5 -1 -2 -4 0 -1.5 C 2 -4 5 -1 0 3 Z"

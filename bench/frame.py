@@ -15,12 +15,12 @@ import numpy.typing as npt
 
 from bench import _hostile as hostile
 from bench._show import crowd
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events.events import Attract, ControlEvent, Spread
 from live.show.engine import Engine
-from live.show.load import LoadedShow, load_show
+from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.status import Status
 

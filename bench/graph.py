@@ -12,16 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._show import crowd
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.base.jit import kernel
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
-from live.graph.build.bridge import BASE_RATE, Recorded, find_bridges
-from live.graph.build.flat import FlatClouds
+from live.graph.build.bridges import BASE_RATE, Recorded, find_bridges
+from live.graph.build.metric import FlatClouds, Metric
 from live.graph.build.nearest_pairs import near_pairs
-from live.graph.build.transition import transition_windows
-from live.graph.build.weights import Metric
+from live.graph.build.transitions import transition_windows
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import MotionGraph, build_graph, strong_components
 from live.graph.step_library import StepLibrary, build_library
@@ -30,7 +29,7 @@ from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.engine import Engine
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PATCHES
 from live.show.status import Status
 

@@ -12,12 +12,11 @@ from live.cli.bench import Row
 from live.graph.dance_metrics import DanceFigures, RawClips
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.render_dance import Assembled, assemble
-from live.graph.search.path import follow_line, smoothed
-from live.graph.search.path_search import follow_path
+from live.graph.search.path_following import follow_line, follow_path, smoothed
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
-from live.library.sketch_folder import load_steps
-from live.motion.quality.beats import alignment, mean_speed, motion_beats, offsets
+from live.library.step_folder import load_steps
+from live.motion.quality.metrics import alignment, mean_speed, motion_beats, offsets
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

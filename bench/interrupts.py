@@ -13,13 +13,12 @@ from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.control.events.events import Performer, StepNow
 from live.graph.dance_metrics import RawClips
-from live.motion.editing.feet import ANKLES, BALLS
+from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.inertialization_kernels import LONGEST
-from live.motion.quality.feet import slides
-from live.motion.quality.smoothness import at_samples
+from live.motion.quality.metrics import at_samples, slides
 from live.motion.skeleton import SOLE_BELOW_ANKLE
-from live.show.core import Show
+from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]

@@ -17,8 +17,7 @@ from live.cli.bench import Row
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
-from live.show.load import RECORDED_M
-from live.show.recorded import for_recordings, with_steps_of
+from live.show.loader import RECORDED_M, for_recordings, with_steps_of
 
 Float64 = npt.NDArray[np.float64]
 

@@ -11,24 +11,18 @@ import numpy.typing as npt
 
 from bench._motion_clips import SALSA, SOLO, WALKS, Material, recordings, sketches
 from live.cli.bench import Row
-from live.motion.editing.amplitude import draw_factors, draw_sequence_factors, scale_sequence, scale_step
-from live.motion.editing.combine import combine
-from live.motion.editing.feet import find_feet
-from live.motion.editing.floor import correct_floor
-from live.motion.editing.head import face_head
+from live.motion.clip import read_clip
+from live.motion.editing.facing import face_head, heading_of
+from live.motion.editing.foot_correction import correct_floor, find_feet
 from live.motion.editing.interpolate import interpolate
-from live.motion.editing.orientation import heading_of
-from live.motion.editing.rotation_insertion import insert_rotation
-from live.motion.editing.sequence_warp import draw_sequence_warp, warp_sequence
-from live.motion.editing.support import find_supports
-from live.motion.editing.time_warp import draw_measure_warps, warp_step
+from live.motion.editing.time_warp import draw_measure_warps, draw_sequence_warp, warp_sequence, warp_step
+from live.motion.editing.turn_insertion import find_supports, insert_rotation
+from live.motion.editing.variation import combine, draw_factors, draw_sequence_factors, scale_sequence, scale_step
 from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet
-from live.motion.quality.step import StepFigures, pelvis_way
-from live.motion.same_step import samples_in
-from live.motion.sampling import read_clip
+from live.motion.quality.metrics import StepFigures, pelvis_way
 from live.motion.skeleton import MIRROR
-from live.motion.step_clip import StepClip
+from live.motion.step_clip import StepClip, samples_in
 
 Float64 = npt.NDArray[np.float64]
 Tool = Callable[[StepClip, np.random.Generator], StepClip]

@@ -13,15 +13,15 @@ from bench import texture_quality
 from bench._fixed_lag import agreement_by_lag
 from bench._partner_baselines import constant_offset, nearest_frames, nearest_units
 from live.cli.bench import Row
-from live.library.pairs_file import Examples, read_pairs
+from live.library.partner_pairs import Examples, read_pairs
 from live.motion.beats.dance_rhythm import rhythm_of
-from live.motion.beats.two_beats import two_beat_lines
+from live.motion.beats.tempo_estimation import two_beat_lines
 from live.motion.clip import Clip
+from live.motion.partner.evaluation import Errors, errors, joints_of, slide
 from live.motion.partner.partner_synthesis import Search, beat_offsets, find_partner, shown_beats
-from live.motion.partner.truth import Errors, errors, joints_of, slide
 from live.motion.partner.units import cut_units
 from live.motion.partner_live.live_partner import agreement_of, alike, find_live
-from live.motion.quality.beats import offsets
+from live.motion.quality.metrics import offsets
 
 DROPPED = 6
 """Frames of a T-pose and the run-in from it."""

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from live.cli.bench import Row
 from live.motion import quaternion
 from live.motion.editing.time_warp import MeasureWarps, draw_measure_warps
+from live.motion.pose.pipeline_kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
-from live.motion.pose.posing_kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]

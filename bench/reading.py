@@ -9,8 +9,7 @@ import numpy as np
 
 from live.cli.bench import Row
 from live.library.motion_file import read_motion
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 
 JOINTS, FRAMES = 43, 2000
 BAR_MS = 25.0

@@ -16,25 +16,24 @@ import moderngl
 import numpy as np
 
 from bench._show import crowd
-from live.app.recording import SOFTWARE_FPS
-from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.app.live_recording import SOFTWARE_FPS
+from live.base.picture_parameters import AMOUNTS, BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_snapshot import Scene, StageView
-from live.base.styles import AMOUNTS
 from live.cli.bench import Row
 from live.clock.ticks import TICK
+from live.render.adaptive_quality import is_software
 from live.render.frame_budget import Affordance
+from live.render.frame_stats import Pacer
 from live.render.gl_release import release_all
 from live.render.headless import OffscreenTarget, create_headless_context
-from live.render.outputs.flash_meter import FlashGuard
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
-from live.render.outputs.pictures import Pictures
-from live.render.pacing import Pacer
-from live.render.quality import is_software
+from live.render.outputs.photosensitivity import FlashGuard
+from live.render.outputs.screen import Pictures
 from live.render.renderer import Renderer
-from live.show.core import Show
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.show import Show
 from live.show.view.render_scene import scene_of
 
 SIZE = (1280, 720)

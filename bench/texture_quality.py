@@ -10,19 +10,17 @@ import numpy.typing as npt
 
 from live.cli.bench import Row
 from live.library.capture_material import UNBEATEN, read_material
-from live.motion.clip import Clip
+from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.rotation_mean import mean_rotation
-from live.motion.sampling import read_clip
+from live.motion.quaternion import mean_rotation
 from live.motion.step_clip import StepClip
-from live.motion.texture.bands import split_bands
+from live.motion.texture.frequency_bands import columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.live_bank import TextureBank, legs_of
 from live.motion.texture.live_texture_kernels import DERIVATIVE, PER_BEAT, nearest_fragment
 from live.motion.texture.texture_corpus import material_of
 from live.motion.texture.texture_settings import UPPER, WORDS, Wish
 from live.motion.texture.texture_synthesis import textured
-from live.motion.texture.tracks import columns_of, sample_clip, tracks_of
-from live.show.dancers.texturing import JOIN
+from live.show.dancers.live_texture import JOIN
 
 Float64 = npt.NDArray[np.float64]
 

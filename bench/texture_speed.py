@@ -16,12 +16,12 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, Skeleton
 from live.motion.step_clip import StepClip
+from live.motion.texture.frequency_bands import sample_clip
 from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.texture_corpus import material_of
 from live.motion.texture.texture_settings import Wish
 from live.motion.texture.texture_synthesis import paths_of, prepare, textured
-from live.motion.texture.tracks import sample_clip
-from live.show.dancers.texturing import Texturing
+from live.show.dancers.live_texture import Texturing
 
 RATE: Final = 60.0
 SKETCH_S: Final = 60.0

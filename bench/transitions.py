@@ -12,15 +12,13 @@ from live.agents.agent_command import Wants
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 from live.agents.crowd.crowd_step import Advance
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.evolutions import orientation, paths
-from live.agents.evolutions.clearance import Clearance
-from live.agents.evolutions.divide import divided
-from live.agents.evolutions.divided import DividedMatching
-from live.agents.evolutions.intention import Evolve, Places, Repertoire
-from live.agents.evolutions.matching import Cost, assign, distances
-from live.agents.evolutions.mend import mended
+from live.agents.evolutions import facing, paths
+from live.agents.evolutions.collision_check import Clearance, mended
+from live.agents.evolutions.incremental_assignment import DividedMatching
+from live.agents.evolutions.intention import Evolve, Places, Repertoire, Segment
+from live.agents.evolutions.paths import divided
 from live.agents.evolutions.running_plan import Plan
-from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.slot_assignment import Cost, assign, distances
 from live.agents.evolutions.start_delays import Order, Ripple, delays, times
 from live.agents.evolutions.trajectory import Locomotion
 from live.agents.groups.roster import Roster
@@ -67,7 +65,7 @@ def transitions() -> Iterator[tuple[Float64, Float64]]:
 def journey(start: Float64, goal: Float64, waits: Float64 | None = None) -> Locomotion:
     """Straight ways."""
     own = times(0.0, BEATS, np.zeros(len(start)) if waits is None else waits)
-    return Locomotion(paths.straight(start, goal), own, orientation.linear(own, np.zeros(len(start)), np.zeros(1)))
+    return Locomotion(paths.straight(start, goal), own, facing.linear(own, np.zeros(len(start)), np.zeros(1)))
 
 
 def nearest(locomotion: Locomotion) -> tuple[int, float]:
@@ -170,7 +168,7 @@ def _danced(start: Float64, goal: Float64, heading: Float64, *, push: float) -> 
     motion = plan.motions[0].journey
     assert motion is not None  # an Evolve always has one
     off = float(np.hypot(*(state.position - goal[motion.slot]).T).max())
-    angle = orientation.shortest_turn(target.heading, heading[motion.slot])
+    angle = facing.shortest_turn(target.heading, heading[motion.slot])
     return off, float(np.abs(angle).max()), overlaps
 
 

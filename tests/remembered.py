@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from unittest import mock
 
 from live.graph import motion_graph
-from live.graph.node_facts import NodeFacts, node_facts
+from live.graph.node_features import NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
 
 _known: dict[bytes, NodeFacts] = {}

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from live.library.sketch_folder import sketched_steps
+from live.library.step_folder import sketched_steps
 from live.motion.step_clip import StepClip
 from tests.places import ROOT
 

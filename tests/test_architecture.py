@@ -128,7 +128,7 @@ _CODE_FROM_BYTES = {"pickle", "_pickle", "marshal", "shelve", "dill", "cloudpick
 """Modules that make code or objects of bytes."""
 _CALLS = {"eval", "exec", "compile", "__import__"}
 _BY_NAME = {"import_module", "load_module", "exec_module", "find_class", "resolve_name"}
-_OWN_NAMES = {"live/cli/bench.py", "live/app/processes/born.py", "live/app/kernel_warmup.py"}
+_OWN_NAMES = {"live/cli/bench.py", "live/app/processes/warm_standby.py", "live/app/kernel_warmup.py"}
 """Files that import by names that stand in the program, or on the command line of a bench."""
 
 

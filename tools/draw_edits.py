@@ -15,17 +15,21 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from live.motion.editing.amplitude import draw_sequence_factors, factor_at, scale_step
-from live.motion.editing.combine import combine
-from live.motion.editing.feet import find_feet
-from live.motion.editing.floor import correct_floor
-from live.motion.editing.head import LIMIT, face_head, fill_gaps, head_turn, wrap
+from live.motion.editing.facing import (
+    LIMIT,
+    average_orientation,
+    face_head,
+    face_public,
+    fill_gaps,
+    head_turn,
+    heading_of,
+    wrap,
+)
+from live.motion.editing.foot_correction import correct_floor, find_feet
 from live.motion.editing.interpolate import interpolate
-from live.motion.editing.orientation import average_orientation, face_public, heading_of
-from live.motion.editing.rotation_insertion import BLEND_WINDOW, insert_rotation, support_turns
-from live.motion.editing.sequence_warp import draw_sequence_warp
-from live.motion.editing.support import LIFTED, height_difference
-from live.motion.editing.time_warp import draw_measure_warps, warp_step
+from live.motion.editing.time_warp import draw_measure_warps, draw_sequence_warp, warp_step
+from live.motion.editing.turn_insertion import BLEND_WINDOW, LIFTED, height_difference, insert_rotation, support_turns
+from live.motion.editing.variation import combine, draw_sequence_factors, factor_at, scale_step
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet

@@ -11,10 +11,10 @@ from typing import Any, Final
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from live.agents.evolutions.matching import assign
 from live.agents.evolutions.paths import straight
+from live.agents.evolutions.slot_assignment import assign
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from live.cli.pictures.formation_picture import draw_formation
 
 ROOT: Final = Path(__file__).resolve().parent.parent

@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from bench._locomotion_run import ENGINE, FPS, SLIDING, UNCORRECTED, dance
 from bench._locomotion_scenes import DEPTH, SCENES, WIDTH, Take, stage
 from live.base.stage_snapshot import StageView
-from live.motion.editing.feet import BALLS
-from live.show.core import Show
+from live.motion.editing.foot_correction import BALLS
+from live.show.show import Show
 
 SCALE: Final = 100
 """Pixels a metre, before the picture is made half as large."""

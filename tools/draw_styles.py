@@ -9,14 +9,14 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.picture_parameters import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.clock.ticks import TICK
+from live.render.adaptive_quality import SOFTWARE
 from live.render.headless import OffscreenTarget, create_headless_context
-from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
-from live.show.load import show_of
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import show_of
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
 from live.show.view.render_scene import scene_of
 

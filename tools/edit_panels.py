@@ -8,8 +8,8 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from live.motion.editing.feet import find_feet
-from live.motion.editing.orientation import heading_of
+from live.motion.editing.facing import heading_of
+from live.motion.editing.foot_correction import find_feet
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clip

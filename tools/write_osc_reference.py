@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from live.base.processing_budget import BURST, FLOOD, FLOODED_PER_SECOND, PER_SECOND
-from live.control.osc import osc_decode as limits
+from live.control.osc import osc_codec
 from live.control.osc import osc_scheduler as later
 from live.control.osc.osc_handler import MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND
 from live.control.osc.osc_output import OUT, SENT
@@ -12,8 +12,7 @@ from live.control.osc.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
 from live.control.osc.osc_subscriptions import EVERY, OWN
 from live.control.osc.osc_subscriptions import MOST as MOST_SUBSCRIBERS
 from live.control.registry.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
-from live.control.registry.readings import READINGS
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import READINGS, REGISTRY
 
 HORIZON, MOST_WAITING, RATE = later.HORIZON, later.MOST, 1 / EVERY
 
@@ -64,11 +63,11 @@ patterns a second; they are matched in
 - A bundle's messages act in their order, each for itself. Time tags up to {HORIZON:g} s ahead are waited for \
 ({MOST_WAITING} messages at
   most); what lies further ahead acts at once and is counted.
-- A packet is refused as a whole if anything in it is malformed. Limits: {limits.MAX_PACKET_BYTES} bytes a packet,
-  {limits.MAX_MESSAGES} messages, {limits.MAX_BUNDLE_DEPTH} bundles inside each other, {limits.MAX_ARGUMENTS} values a \
-message, {limits.MAX_STRING_BYTES} bytes an address or text,
-  {limits.MAX_BLOB_BYTES} bytes a blob, {NAME_LENGTH} printable characters a name. Type tags: i f s b h d T F N I t m; \
-a message without a type
+- A packet is refused as a whole if anything in it is malformed. Limits: {osc_codec.MAX_PACKET_BYTES} bytes a packet,
+  {osc_codec.MAX_MESSAGES} messages, {osc_codec.MAX_BUNDLE_DEPTH} bundles inside each other, \
+{osc_codec.MAX_ARGUMENTS} values a message, {osc_codec.MAX_STRING_BYTES} bytes an address or text,
+  {osc_codec.MAX_BLOB_BYTES} bytes a blob, {NAME_LENGTH} printable characters a name. Type tags: \
+i f s b h d T F N I t m; a message without a type
   tag string is refused.
 - What is refused is counted by reason in the status, and never answered. Answers go to the sender alone; outside this
   machine and private networks with no more bytes than were received.

@@ -8,8 +8,8 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.bands import BAND_COUNT, LAGS
 from live.clock.tracking.feature_kernels import CONTRAST, LEVEL_FALL, LEVEL_FLOOR, LEVEL_JUMP, LEVEL_RISE
+from live.clock.tracking.features import BAND_COUNT, LAGS
 from training.features import LOG_FLOOR, Item
 from training.labels import Labels, label
 

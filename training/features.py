@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from live.clock.tracking.bands import BASE_HOP, BASE_RATE, EARS, filters, window_length
+from live.clock.tracking.features import BASE_HOP, BASE_RATE, EARS, filters, window_length
 
 LOG_FLOOR: Final = 1e-7
 """Added to magnitudes before the logarithm (-140 dB)."""

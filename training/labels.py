@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.bands import HOP
-from live.clock.tracking.hearing import DELAY
+from live.clock.tracking.beat_network import DELAY
+from live.clock.tracking.features import HOP
 from training.features import Item
 
 Floats = npt.NDArray[np.float32]

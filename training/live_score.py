@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 import soundfile
 
-from live.clock.estimate import BeatEstimate
+from live.clock.beat_estimate import BeatEstimate
+from live.clock.tracking.beat_network import Network, Weights
 from live.clock.tracking.beat_tracker import Tracker
-from live.clock.tracking.network import Network, Weights
 from training.features import read_beats
 
 Times = npt.NDArray[np.float64]

@@ -1,4 +1,5 @@
-"""The network in JAX, as it is trained; the engine's own form is `live/clock/tracking/network.py`, held equal by tests.
+"""The network in JAX, as it is trained; the engine's own form is
+`live/clock/tracking/beat_network.py`, held equal by tests.
 
 Frames pass through filters along frequency (one ear at a time), a dense layer, two gated recurrent layers (Cho et
 al., 2014, in the form with the reset after the product), and heads. Only the first head (nothing, beat, downbeat) is
@@ -12,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from live.clock.tracking.bands import BAND_COUNT, BANDS
+from live.clock.tracking.features import BAND_COUNT, BANDS
 
 Weights = dict[str, Any]
 

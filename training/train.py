@@ -1,4 +1,4 @@
-"""python -m training.train DATA --out live/clock/hearing/weights.npz --seed S: train the beat network and write it.
+"""python -m training.train DATA --out live/clock/tracking/weights.npz --seed S: train the beat network and write it.
 
 The same data and seed give the same weights (on one machine and one version of JAX). See README.md for the recipe.
 """

@@ -8,9 +8,9 @@ import mir_eval
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.bands import BAND_COUNT, HOP, LAGS
+from live.clock.tracking.beat_network import DELAY
 from live.clock.tracking.feature_kernels import LEVEL_FLOOR
-from live.clock.tracking.hearing import DELAY
+from live.clock.tracking.features import BAND_COUNT, HOP, LAGS
 from training import network
 from training.examples import Floats, _render, half
 from training.features import Item

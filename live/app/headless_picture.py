@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
-from live.app.wish import Wish
+from live.app.launch_options import Wish
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Scene, StageView
 
@@ -18,9 +18,9 @@ class HeadlessPicture:
     def __init__(self, wish: Wish, scene: Scene) -> None:
         """PersonError where nothing can be drawn."""
         from live.render.headless import NoOpenGL, create_headless_context
-        from live.render.outputs.flash_meter import FlashGuard
-        from live.render.outputs.pictures import Pictures
-        from live.render.outputs.shown import Shown
+        from live.render.outputs.photosensitivity import FlashGuard
+        from live.render.outputs.projection import Shown
+        from live.render.outputs.screen import Pictures
         from live.render.renderer import Renderer
 
         try:

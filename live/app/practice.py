@@ -1,10 +1,10 @@
 """Practice: some measures of the score again and again, and slower."""
 
-from live.app.wish import Wish
+from live.app.launch_options import Wish
 from live.base.errors import PersonError
 from live.control.events.events import ControlEvent, Practice
-from live.show.core import Show
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
+from live.show.show import Show
 
 SLOWEST = 20.0
 FASTEST = 400.0

@@ -7,18 +7,17 @@ from pathlib import Path
 
 from rich.console import Console
 
-from live.app.film_show import canvas, mixed_sound, progress_bar
-from live.app.recording import film_sound, film_writer
-from live.app.wish import Wish
+from live.app.launch_options import Wish
+from live.app.live_recording import film_sound, film_writer
+from live.app.offline_film import canvas, mixed_sound, progress_bar
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.audio.music_file import Music, MusicFileError, read_music
-from live.render.film.film_sound import FilmSound
 from live.render.film.film_writer import FilmError
-from live.show.journal.journal_reading import Journal
-from live.show.journal.replay import Replayed, Replaying
-from live.show.journal.replay_start import Start
-from live.show.load import LoadedShow
+from live.render.film.streams import FilmSound
+from live.show.journal.journal_reader import Journal
+from live.show.journal.replay import Replayed, Replaying, Start
+from live.show.loader import LoadedShow
 
 
 def film_replay(

@@ -5,23 +5,17 @@ from pathlib import Path
 
 from rich.console import Console
 
-from live.app.parts import Parts
+from live.app.launch_options import Wish
+from live.app.service_registry import Parts, Telling
 from live.app.services.audience_service import make_audience
-from live.app.services.click_part import make_click
+from live.app.services.capture_services import make_psn, make_vmc
+from live.app.services.click_service import make_click, make_link
 from live.app.services.dmx_service import make_dmx
-from live.app.services.link_part import make_link
-from live.app.services.midi_file_part import MidiFilePart
-from live.app.services.midi_part import OnMidi, make_midi
-from live.app.services.musicians_part import MusiciansPort
-from live.app.services.osc_out_part import make_osc_out
-from live.app.services.oscquery_part import OscQueryPart
-from live.app.services.psn_part import make_psn
+from live.app.services.http_services import OscQueryPart, WebPart
+from live.app.services.midi_service import MidiFilePart, OnMidi, make_midi
+from live.app.services.osc_services import MusiciansPort, make_osc_out
 from live.app.services.vmc_output_service import make_vmc_out
-from live.app.services.vmc_part import make_vmc
-from live.app.services.web_part import WebPart
-from live.app.telling import Telling
-from live.app.wish import Wish
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.registry.control import RANKS

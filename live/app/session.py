@@ -1,38 +1,146 @@
-"""Session: a show with everything it listens to and writes; made here, driven by the window or a bare loop."""
+"""Session: a show with everything it listens to and writes; made here, driven by the window or a bare loop.
+
+What an operator without the overlay must know while the show runs: what was refused, and what has joined.
+
+What the parts of a running show have to tell: what was refused, what is wrong, what has joined.
+"""
 
 import contextlib
 import gc
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Final
 
-from live.app.memory import resident_megabytes
+from rich.console import Console
+
+from live.app.launch_options import Wish
 from live.app.practice import practice_events
 from live.app.processes.resume_state import Resumed
 from live.app.service_builder import Beside
+from live.app.service_registry import Telling, make_watches
 from live.app.services.audience_service import AudiencePart
-from live.app.services.operators_port import OperatorsPort
-from live.app.session_audio import SessionAudio
-from live.app.session_news import session_news
-from live.app.session_records import Records
-from live.app.session_sound import Sound
-from live.app.starting_tempo import start_tempo
-from live.app.telling import Telling
-from live.app.watches import make_watches
-from live.app.wish import Wish
+from live.app.services.osc_services import OperatorsPort
+from live.app.session_audio import SessionAudio, Sound, start_tempo
+from live.app.session_records import Records, resident_megabytes
 from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS, Bulkhead, name_of, run_once
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
+from live.base.fault_isolation import FAULTS, Bulkhead, keep_running, name_of, run_once
 from live.clock.ticks import STALL
 from live.clock.time_source import Clock, ProcessorClock, SystemClock
 from live.control.events.events import ControlEvent, SetLatency
-from live.show.core import Show
 from live.show.engine import Engine
-from live.show.load import LoadedShow
-from live.show.pressure import Pressure
-from live.show.status import Status
-from live.show.venue.venue import Venue
-from live.show.venue.venue_latency import Latencies
+from live.show.loader import LoadedShow
+from live.show.patch.hot_reload import PatchWatch
+from live.show.selection.graph_update import LibraryWatch
+from live.show.show import Show
+from live.show.status import Pressure, Status
+from live.show.venue.venue import Latencies, Venue
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Lifeline
+from live.supervisor.supervisor_link import Lifeline
+
+if TYPE_CHECKING:
+    from live.app.services.midi_service import OnMidi
+    from live.app.session_audio import AudioSource
+
+
+PERIOD_S: Final = 1.0
+"""Seconds between two looks: whoever floods the inputs fills a terminal with a line a second, no faster."""
+Words = Callable[[], str]
+
+
+class News:
+    """Says what is new in words that change, by a thread of its own: a stuck terminal holds no show up.
+
+    Thread: `look` is called by the thread alone once it runs; `refused` may be read by any.
+    """
+
+    def __init__(self, refusals: Sequence[Words], others: Sequence[Words], say: Callable[[str], None]) -> None:
+        """Each of `refusals` is the last refusal of one part, of `others` its last news; empty if there is none."""
+        self._refusals, self._others, self._say = refusals, others, say
+        self._before = [""] * (len(refusals) + len(others))
+        self.refused = ""
+        """The last refusal of all parts: the one whose words have changed last."""
+        self._calls = Bulkhead()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="news", daemon=True)
+
+    def start(self) -> None:
+        """Begin to look."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End, and say what is new since the last look."""
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join(timeout=2.0)
+        if not self._thread.is_alive():
+            self.look()
+
+    def look(self) -> None:
+        """Look once, and say what has changed."""
+        for index, words in enumerate([*self._refusals, *self._others]):
+            now, before = self._calls.call(f"what {name_of(words)} has to tell", words) or "", self._before[index]
+            if now == before:
+                continue
+            self._before[index] = now
+            refusal = index < len(self._refusals)
+            if refusal and (now or self.refused == before):
+                self.refused = now
+            if now:
+                self._say(f"refused: {now}" if refusal else now)
+
+    def _run(self) -> None:
+        keep_running("the news on the terminal", self._look_on, self._ended.wait)
+
+    def _look_on(self) -> None:
+        while not self._ended.wait(PERIOD_S):
+            self.look()
+
+
+def session_news(
+    show: Show,
+    osc: OperatorsPort,
+    listens: "AudioSource | None",
+    midi: "OnMidi | None",
+    watch: PatchWatch,
+    library: LibraryWatch | None,
+    *,
+    journal: Callable[[], str] = lambda: "",
+    more: Sequence[Callable[[], str]] = (),
+) -> News:
+    """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
+
+    `listens`: a device that is listened to, if there is one; `more`: last refusals of others.
+    """
+    console = Console(stderr=True, highlight=False)
+    refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.words, *more]
+    before = FAULTS.news()  # of another show in this process, if there was one
+
+    def faults() -> str:
+        news = FAULTS.news()
+        return news if news != before else ""
+
+    others: list[Callable[[], str]] = [journal, faults]
+    if listens is not None:
+        others.append(lambda: _audio_problem(listens))
+    if midi is not None:
+        refusals.append(midi.refusal)
+        others += [midi.problem, midi.note, midi.said]
+    refusals.append(lambda: watch.problem)
+    others.append(lambda: watch.told)
+    if library is not None:
+        refusals.append(lambda: library.problem)
+        others.append(lambda: library.joined)
+
+    def say(line: str) -> None:
+        console.print(line, style="yellow", soft_wrap=True, markup=False)
+
+    return News(refusals, others, say)
+
+
+def _audio_problem(listens: "AudioSource") -> str:
+    problem = str(listens.facts()["problem"])
+    return f"sound: {problem}" if problem else ""
 
 
 class Session:

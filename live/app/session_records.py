@@ -1,19 +1,24 @@
-"""Records: what a running show writes down: its journal, and a line of figures a second."""
+"""Records: what a running show writes down: its journal, and a line of figures a second.
 
+Memory: how much of the machine's this process holds.
+"""
+
+from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 from rich.console import Console
 
+from live.app.launch_options import Wish
 from live.app.processes.resume_state import Resumed
-from live.app.session_sound import Sound
-from live.app.wish import Wish
+from live.app.session_audio import Sound
 from live.base.errors import PersonError
 from live.show.engine import Engine
 from live.show.journal.journal import JournalError, JournalWriter, trouble_of
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
 from live.show.status import Status, StatusFile
-from live.supervisor.lifeline import Lifeline
-from live.supervisor.relay import RelaySink
+from live.supervisor.journal_relay import RelaySink
+from live.supervisor.supervisor_link import Lifeline
 
 
 class Records:
@@ -99,3 +104,9 @@ class Records:
         console = Console(stderr=True, highlight=False)
         for warning in self.warnings():
             console.print(f"note: {warning}", style="yellow", soft_wrap=True, markup=False)
+
+
+def resident_megabytes() -> Callable[[], float]:
+    """A function that tells this process' resident memory [MB]."""
+    process = psutil.Process()
+    return lambda: float(process.memory_info().rss / 1e6)

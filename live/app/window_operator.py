@@ -4,14 +4,14 @@ import math
 from dataclasses import replace
 
 from live.app.session import Session
-from live.base.picture import camera_of
+from live.base.picture_parameters import camera_of
 from live.base.stage_snapshot import Scene
 from live.control.events.events import Attract, ControlEvent, LearnMidi, Repel, WalkOn
 from live.control.keyboard import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
 from live.control.pointer import TOOLS, WALKED, event_for_place, event_for_stroke
 from live.render.camera import floor_point
 from live.render.outputs.projection import Projection
-from live.render.outputs.test_cards import JOIN
+from live.render.outputs.test_card import JOIN
 from live.render.uniforms import CLOSEST
 from live.render.window.window_input import (
     CloseRequested,
@@ -21,7 +21,7 @@ from live.render.window.window_input import (
     PointerReleased,
     WindowInput,
 )
-from live.show.patch.segment import formation_names
+from live.show.patch.section_score import formation_names
 
 LONGEST_STROKE = 4096
 """Points of a stroke that are kept while it is drawn."""

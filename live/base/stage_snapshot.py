@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.character import CharacterFile
+from live.base.body_catalogue import CharacterFile
 from live.base.custom_pass import OwnPass
 from live.base.set_geometry import Item
 
@@ -94,7 +94,7 @@ class Look:
     saturation: float = 1.0
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
     group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
-    """How each group is drawn: addresses of `live.base.picture.OF_GROUPS` with their numbers; the rest is as usual."""
+    """How each group is drawn: addresses of `picture_parameters.OF_GROUPS` with their numbers; the rest is as usual."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +141,8 @@ class Scene:
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
     bodies: tuple[str, ...] = ()
-    """Name of each dancer's body (`live.base.bodies`, or a character's), from the first dancer on; the others have the
-    usual one."""
+    """Name of each dancer's body (`live.base.body_catalogue`, or a character's), from the first dancer on; the others
+    have the usual one."""
     characters: tuple[CharacterFile, ...] = ()
     """Bodies that come out of files."""
 
@@ -203,7 +203,7 @@ class StageView:
     filled: bool = False
     """Whether a moment was written into it: what a frozen picture goes on showing."""
     picture: Float64 | None = None
-    """Light, colours and camera now: the row of `live.base.picture`; None: as in the scene."""
+    """Light, colours and camera now: the row of `live.base.picture_parameters`; None: as in the scene."""
     energy: float = 0.5
     """Energy of the music, 0 to 1."""
     spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_CAPACITY, 2)))

@@ -96,7 +96,7 @@ def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
 
 def machine() -> dict[str, Any]:
     """The machine that measures: {cpu, cores, python, gl}; gl is null where there is no OpenGL."""
-    from live.cli.venue.opengl import probe_opengl
+    from live.cli.venue.doctor import probe_opengl
 
     return {
         "cpu": _cpu_name(),

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from live.app.processes import supervised
+from live.app.processes import engine_main
 from live.cli.main import main as run_live
 from live.rehearse.chaos.injection import install_disk
 
@@ -12,7 +12,7 @@ def main() -> None:
     """Run it; everything but the engines' command is as it always is."""
     folder = sys.argv.pop(1)
     install_disk(Path(folder))
-    supervised.ENGINE[:] = ["live.app.processes.chaos_engine_main", folder]
+    engine_main.ENGINE[:] = ["live.app.processes.chaos_engine_main", folder]
     run_live()
 
 

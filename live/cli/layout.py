@@ -1,4 +1,7 @@
-"""`live layout`: the controls as faders, pads and buttons of a tablet."""
+"""`live layout`: the controls as faders, pads and buttons of a tablet.
+
+`live schema`: what editors need to help with patches.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,6 +11,7 @@ import typer
 
 if TYPE_CHECKING:
     from live.control.registry.control import Role
+
 
 KINDS = ("touchosc", "open-stage-control")
 
@@ -72,9 +76,33 @@ def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
     from live.show.desk.completions import names_of
 
     loaded = Wish(patch=patch, steps=steps).load()
     stage = loaded.patch.stage
     return names_of(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)
+
+
+def schema(
+    out: Annotated[
+        Path | None, typer.Option(help="Write it here; without it, it is printed.", metavar="FILE.json", dir_okay=False)
+    ] = None,
+) -> None:
+    """The schema of patches, for editors of TOML (taplo, Even Better TOML): keys, meanings, ranges.
+
+    A file of a show names it in its first line: #:schema patch.schema.json
+    """
+    import json
+
+    from live.base.errors import PersonError
+    from live.show.patch.patch_schema import patch_schema
+
+    text = json.dumps(patch_schema(), indent=1, ensure_ascii=False) + "\n"
+    if out is None:
+        print(text, end="")
+        return
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise PersonError(f"cannot write --out {out}: {error.strerror}") from None

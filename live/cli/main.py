@@ -14,7 +14,7 @@ from live.app import kernel_warmup as warm
 from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
 from live.app.option_values import with_audience
 from live.base.errors import PersonError
-from live.cli import bench, layout, pair, play, render, replay, schema, service, sim, simulate, soak
+from live.cli import bench, layout, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, score
 from live.cli.motion import bvh, character, export, mocap, sync
@@ -51,8 +51,8 @@ app.command("partner")(partner.partner)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)
 app.command("layout")(layout.layout)
-app.command("schema")(schema.schema)
-app.command("sim")(sim.sim)
+app.command("schema")(layout.schema)
+app.command("sim")(simulate.sim)
 app.command("simulate")(simulate.simulate)
 app.command("soak")(soak.soak)
 app.command("texture")(texture.texture)

@@ -44,8 +44,8 @@ def render(
     """Render a show to a film: picture and sound, bit by bit the same each time."""
     from rich.console import Console
 
-    from live.app.film_names import film_name, parse_rate
     from live.app.kernel_warmup import warm_kernels
+    from live.app.offline_film import film_name, parse_rate
     from live.app.option_values import parse_number, parse_size, writable_file
     from live.base.errors import PersonError
 
@@ -57,9 +57,9 @@ def render(
     film = film_name(out, "--out", alpha=alpha, never=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
-    from live.app.film_show import film_show
-    from live.app.session_sound import choose_sound
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
+    from live.app.offline_film import film_show
+    from live.app.session_audio import choose_sound
 
     wish = Wish(
         patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from live.show.journal.journal_reading import Journal
+    from live.show.journal.journal_reader import Journal
     from live.show.journal.replay import Replayed
 
 
@@ -38,8 +38,8 @@ def replay(
 
     from rich.console import Console
 
-    from live.app.film_names import film_name, parse_rate
     from live.app.kernel_warmup import warm_kernels
+    from live.app.offline_film import film_name, parse_rate
     from live.app.option_values import parse_size
     from live.base.errors import PersonError
 
@@ -51,9 +51,8 @@ def replay(
         raise PersonError(f"--from {first} --to {last}: the first measure comes last")
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
     from live.clock.ticks import TICK
-    from live.show.journal.journal_reading import JournalError, read_journal
-    from live.show.journal.replay import ReplayError, run_from
-    from live.show.journal.replay_start import loaded_by, start_before
+    from live.show.journal.journal_reader import JournalError, read_journal
+    from live.show.journal.replay import ReplayError, loaded_by, run_from, start_before
 
     problems: list[str] = []
     try:

@@ -137,7 +137,7 @@ def _read(arguments: list[str]) -> dict[str, Any]:
 
 def _end(name: str) -> tuple[list[int], str | None]:
     """End the service, then an engine that is left; the processes of those, and why systemd could not."""
-    from live.app.processes.supervised import service_label
+    from live.app.processes.engine_main import service_label
     from live.app.systemd_unit import unit_name
     from live.supervisor.adoption.adoption import end_engines
 

@@ -1,9 +1,12 @@
-"""`live simulate`: avoidance alone, on anybody's scenario."""
+"""`live simulate`: avoidance alone, on anybody's scenario.
+
+`live sim`: a made-up band and made-up phones, for rehearsing a show without people.
+"""
 
 import io
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -12,6 +15,8 @@ from live.base.errors import PersonError
 if TYPE_CHECKING:
     from live.agents.scenarios.metrics import Metrics
     from live.agents.scenarios.scenario import Scenario
+    from live.rehearse.simulated_band import FakeBand
+
 
 MOST_NUMBERS = 1 << 25
 """Coordinates that a run may have in all: a quarter of a gigabyte."""
@@ -80,3 +85,115 @@ def show(metrics: "Metrics", as_json: bool) -> None:
         return
     for name, value in figures.items():
         print(f"{name.replace('_', ' '):28}{'-' if value is None else format(value, '.4g')}")
+
+
+def sim(
+    patch: Annotated[str | None, typer.Argument(help="The patch that is played. Default: the first show.")] = None,
+    osc: Annotated[str, typer.Option(help="Where the show receives OSC.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    phones: Annotated[int, typer.Option(min=0, max=10000, help="People with phones; 0: none.")] = 8,
+    rate: Annotated[float, typer.Option(help="What each of them does in a minute.")] = 6.0,
+    role: Annotated[str, typer.Option(help="The most they may do.", metavar="audience|musician|operator")] = "audience",
+    nonsense: Annotated[float, typer.Option(help="Share of messages that make no sense.", metavar="0-1")] = 0.02,
+    midi: Annotated[
+        str | None, typer.Option(help="Play the band as MIDI clock to this port (see `live devices`).", metavar="NAME")
+    ] = None,
+    audio: Annotated[
+        Path | None,
+        typer.Option(help="Write the band as a sound, for `live play --audio`, and end.", metavar="FILE.wav"),
+    ] = None,
+    bpm: Annotated[float | None, typer.Option(help="The band's tempo to begin with. Default: the patch's.")] = None,
+    unruly: Annotated[
+        float, typer.Option(help="How often the band stops, fills, loses the one, leaps; 0: never.", metavar="0-20")
+    ] = 1.0,
+    seconds: Annotated[float, typer.Option(help="How long.")] = 3600.0,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of everybody.")] = 0,
+) -> None:
+    """Play to a show that runs elsewhere: a band that drifts, stops and gets lost, and people with phones."""
+    import threading
+    import time
+
+    from rich.console import Console
+
+    from live.app.kernel_warmup import warm_kernels
+    from live.app.option_values import parse_choice, parse_endpoint, parse_number, writable_file
+    from live.base.errors import PersonError
+    from live.show.patch.patch_search_path import find_patch
+
+    find_patch(patch)  # a name that nobody knows is told before seconds of loading
+    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    from live.rehearse.network_sender import Outlet, packets, pulses, send_all
+    from live.rehearse.simulated_players import FakePlayers, Words
+    from live.show.loader import load_show
+
+    parse_number(rate, "--rate", 0.0, 6000.0)
+    parse_number(nonsense, "--nonsense", 0.0, 1.0)
+    parse_number(unruly, "--unruly", 0.0, 20.0)
+    parse_number(seconds, "--seconds", 0.1, 7 * 86400.0)
+    parse_number(bpm, "--bpm", 40.0, 240.0)
+    parse_choice(role, "--role", "audience", "musician", "operator")
+    writable_file(audio, "--audio")
+    loaded = load_show(find_patch(patch))
+    console = Console(stderr=True, highlight=False)
+    clock = loaded.patch.clock
+    band = _band(seed, bpm or clock.bpm, clock.beats_per_measure, unruly)
+    if audio is not None:
+        _write(audio, band, seconds, seed, console)
+        return
+    port = None if midi is None else _open(midi)
+    try:
+        outlet = Outlet(*parse_endpoint(osc))
+    except OSError as error:
+        raise PersonError(f"--osc {osc}: {error}") from None
+    words = Words(loaded.patch, loaded.graph.library.steps)
+    players = FakePlayers(seed, words, count=phones, rate=rate, nonsense=nonsense, role=role)
+    streams: list[Any] = [(packets(players.calls()), outlet.send)]
+    if port is not None:
+        streams.append((pulses(band), port.send))
+    told = f"{phones} phones to {osc}" + ("" if midi is None else f", the band to {midi}")
+    console.print(f"{told}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
+    begin, ended = time.perf_counter(), threading.Event()
+    try:
+        send_all(streams, now=lambda: time.perf_counter() - begin, wait=ended.wait, until=seconds)
+    finally:
+        outlet.close()
+        if port is not None:
+            port.close()
+        console.print(f"{outlet.sent} messages sent, {outlet.failed} failed", style="dim")
+
+
+def _band(seed: int, bpm: float, beats: int, unruly: float) -> "FakeBand":
+    from live.rehearse.simulated_band import DRIFT, FakeBand, Manners
+
+    usual = Manners()
+    manners = Manners(
+        stop=usual.stop * unruly,
+        fill=min(usual.fill * unruly, 1.0),
+        wrong_one=usual.wrong_one * unruly,
+        leap=usual.leap * unruly,
+        drift=DRIFT * min(unruly, 4.0),
+    )
+    return FakeBand(seed, bpm=bpm, beats_per_measure=beats, manners=manners)
+
+
+def _write(path: Path, band: "FakeBand", seconds: float, seed: int, console: Any) -> None:
+    from live.base.errors import PersonError
+    from live.rehearse.simulated_band import sound_of, write_sound
+
+    if seconds > 7200.0:
+        raise PersonError(f"--seconds {seconds:g}: a sound of at most two hours", "--seconds 600")
+    try:
+        write_sound(path, sound_of(band, seconds, seed=seed))
+    except OSError as error:
+        raise PersonError(f"cannot write --audio {path}: {error.strerror}") from None
+    did = ", ".join(f"{count} × {what}" for what, count in band.did.items() if count) or "nothing it should not"
+    console.print(f"the band is here: {path.resolve()} ({did})", soft_wrap=True, markup=False)
+
+
+def _open(name: str) -> Any:
+    from live.base.errors import PersonError
+    from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, open_port
+
+    try:
+        return open_port("output", name)
+    except (MidiUnavailable, UnknownPort) as error:
+        raise PersonError(f"--midi {name!r}: {error}", "see `live devices`") from None

@@ -58,9 +58,17 @@ def soak(
     from live.app.kernel_warmup import warm_kernels
     from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
-    from live.cli.soak_minimise import minimise_journal
-    from live.cli.soak_runs import Wanted, patches_of, run_all, run_one, tell_campaign, tell_lines, tell_run
-    from live.rehearse.soak_report import Plan
+    from live.cli.soak_run import (
+        Wanted,
+        minimise_journal,
+        patches_of,
+        run_all,
+        run_one,
+        tell_campaign,
+        tell_lines,
+        tell_run,
+    )
+    from live.rehearse.soak_test import Plan
 
     parse_number(hours, "--hours", 0.001, 1000.0)
     parse_number(minutes, "--minutes", 0.05, 60000.0)

@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.estimate import BeatEstimate
+from live.clock.beat_estimate import BeatEstimate
 
 LEAD: Final = 0.08
 """A beat is named when it is this near [s]."""

@@ -3,7 +3,7 @@
 from statistics import fmean, median, median_low
 from typing import Final
 
-from live.clock.grid import Grid
+from live.clock.timeline import Grid
 
 FORGET_AFTER: Final = 2.0
 """Seconds without a tap after which a new row begins."""

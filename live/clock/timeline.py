@@ -1,6 +1,10 @@
 """Timeline: the bijection between seconds and beats, and where the measures lie in it (after Ableton Link).
 
 A Timeline is never changed, only replaced as a whole. *Phase* means beats into the measure, in [0, beats_per_measure).
+
+Moment: musical time at one instant, as everything that follows the music reads it.
+
+Grid: where the beats lie, as a hypothesis: numbered, evenly spaced, with no measures yet.
 """
 
 import math
@@ -86,3 +90,49 @@ def phase(beat: float, quantum: float) -> float:
 def next_phase_match(beat: float, target: float, quantum: float) -> float:
     """The first beat at or after `beat` whose phase equals that of `target`."""
     return beat + phase(target - beat, quantum)
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One instant: seconds of the show, beat, measure (from 0), beats into the measure, tempo [bpm]."""
+
+    time: float
+    beat: float
+    measure: int
+    phase: float
+    tempo: float
+    confidence: float = 1.0
+
+    @staticmethod
+    def of(timeline: Timeline, time: float, confidence: float = 1.0) -> "Moment":
+        """The moment that `timeline` gives for `time` [s]."""
+        return Moment(
+            time, timeline.beat_at(time), timeline.measure_at(time), timeline.phase_at(time), timeline.tempo, confidence
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Beat `number` lies at `time` [s], the others `period` [s] apart."""
+
+    time: float
+    period: float
+    number: int = 0
+
+    @property
+    def tempo(self) -> float:
+        """Beats per minute."""
+        return 60.0 / self.period
+
+    def beat_at(self, time: float) -> float:
+        """Beat at `time` [s]."""
+        return self.number + (time - self.time) / self.period
+
+    def residual(self, time: float, division: float = 1.0) -> float:
+        """How far `time` [s] lies after the nearest line of a grid of `division` beats, in beats (± division / 2)."""
+        position = (time - self.time) / (self.period * division)
+        return (position - math.floor(position + 0.5)) * division
+
+    def numbered_like(self, beat: float, time: float) -> "Grid":
+        """The same grid, its beats numbered so that `time` [s] is as near to `beat` as can be."""
+        return Grid(self.time, self.period, self.number + math.floor(beat - self.beat_at(time) + 0.5))

@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.timeline import Timeline
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import Changes
+from live.control.registry.registry import REGISTRY, Changes
 
 CHANNELS: Final = 512
 SENDS: Final = ("beat", "measure", "steps", "feet", "tempo", "dancer")

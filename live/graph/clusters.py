@@ -2,6 +2,8 @@
 
 A cluster is a step with all its instances (T041, Fig 3.4); a component is a structural variation of it: the clips that
 begin on one foot, in one pose, and end in one pose (T062, Fig 3.11).
+
+Which steps can follow a step, and how well: what a dancer may be told before anything is danced (T003, T043).
 """
 
 from dataclasses import dataclass
@@ -9,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.flat import FlatClouds
+from live.graph.build.metric import FlatClouds
+from live.graph.build.transitions import Boundaries, JoinRule, find_joins
 from live.graph.motion_graph import MotionGraph, largest_component, strong_components
 from live.graph.step_library import StepLibrary
 from live.graph.transition_rules import begun_side, may_follow_between, plain_pose
@@ -121,3 +124,28 @@ def _squared(a: FlatClouds, b: FlatClouds) -> Float64:
     """K003 for all pairs, (N, M) [m²]."""
     product = np.abs(a.floor.conj() @ b.floor.T) + a.height @ b.height.T
     return np.asarray(a.size[:, None] + b.size[None] - 2.0 * product)
+
+
+@dataclass(frozen=True, slots=True)
+class Follower:
+    """A step that can come next."""
+
+    step: str
+    distance_m: float
+    """Distance of the nearest pair of measures [m] (T034)."""
+    pairs: int
+    """Joins between a variation of the one and a variation of the other."""
+
+
+def followers(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Follower]:
+    """The steps that can follow the step of that index within `threshold` [m], the nearest first."""
+    rule = JoinRule(window, threshold)
+    joins = find_joins(library, Boundaries.of(library, rule), rule)
+    own = (library.node_step[joins.source] == step) & (library.node_measure[joins.target] == 0)
+    follows, cost = library.node_step[joins.target[own]], joins.cost[own]
+    found = []
+    for index, name in enumerate(library.steps):
+        distances = cost[follows == index]
+        if len(distances):
+            found.append(Follower(name, float(distances.min()), len(distances)))
+    return sorted(found, key=lambda follower: (follower.distance_m, follower.step))

@@ -10,14 +10,23 @@ import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.render_dance import Assembled
-from live.graph.search.path import Targets
-from live.graph.select.placing import wrapped
+from live.graph.search.path_following import Targets
+from live.graph.select.candidates import wrapped
 from live.motion import quaternion
+from live.motion.clip import read_clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.beats import alignment, mean_speed, motion_beats, offsets
-from live.motion.quality.feet import skates, slides
-from live.motion.quality.smoothness import at_samples, half_width, largest_around, p99_of_raw
-from live.motion.sampling import read_clip
+from live.motion.quality.metrics import (
+    alignment,
+    at_samples,
+    half_width,
+    largest_around,
+    mean_speed,
+    motion_beats,
+    offsets,
+    p99_of_raw,
+    skates,
+    slides,
+)
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

@@ -13,9 +13,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.joins import Boundaries, joins_with
+from live.graph.build.transitions import Boundaries, joins_with
 from live.graph.motion_graph import MotionGraph, graph_of
-from live.graph.node_facts import NodeFacts, node_facts
+from live.graph.node_features import NodeFacts, node_facts
 from live.graph.step_library import build_library, joined_library
 from live.motion.step_clip import StepClip
 

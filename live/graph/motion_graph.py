@@ -5,13 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.interval import retimed
-from live.graph.build.joins import Boundaries, JoinRule, Joins, find_joins
-from live.graph.build.transition import Transitions
-from live.graph.build.weights import Metric
-from live.graph.graph_kernels import count_hops, reverse_edges
-from live.graph.moments import Moments
-from live.graph.node_facts import NodeFacts, node_facts
+from live.graph.build.metric import Metric
+from live.graph.build.transitions import Boundaries, JoinRule, Joins, Transitions, find_joins, retimed
+from live.graph.distance_kernels import count_hops, reverse_edges
+from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
 from live.graph.takes import Takes, find_takes
 from live.graph.transition_rules import may_follow, unmatched_poses

@@ -11,15 +11,32 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import begun, joined, next_axes, own_end, take_placement, transition_weight, turn_vectors
+from live.graph.select.candidates import (
+    begun,
+    joined,
+    next_axes,
+    own_end,
+    take_placement,
+    transition_weight,
+    turn_vectors,
+)
 from live.graph.takes import NO_TAKE
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import local_rotations
 from live.motion.pose.foot_lock import lock_feet
+from live.motion.pose.pipeline_kernels import (
+    INTO_NEXT,
+    LOWER,
+    NEXT,
+    NEXT_LOWER,
+    NEXT_TAKE,
+    PRESENT,
+    PRESENT_TAKE,
+    UPPER,
+)
 from live.motion.pose.pose_pipeline import PosePipeline
-from live.motion.pose.posing_kernels import INTO_NEXT, LOWER, NEXT, NEXT_LOWER, NEXT_TAKE, PRESENT, PRESENT_TAKE, UPPER
-from live.motion.pose.turning_kernels import place_dancers
+from live.motion.pose.turn_kernels import place_dancers
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -6,18 +6,17 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
-from live.library.clip_cache import ClipCache
+from live.library.disk_cache import ClipCache
 from live.library.motion_file import MOTION_ENDINGS, read_bytes, read_motion
-from live.library.recording import Recording
-from live.library.recording_file import read_step_files
-from live.motion.beats.tempo_guess import guess_tempo
+from live.library.recording_file import Recording, read_step_files
+from live.motion.beats.tempo_estimation import guess_tempo
 from live.motion.cleanup.trim_start import find_beginning
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
-from live.motion.texture.calibration import without_calibration
+from live.motion.texture.foot_constraints import without_calibration
 
 SHORTEST_S: Final = 1.0
 """Recordings shorter than this [s] hold no movement that could be found again."""

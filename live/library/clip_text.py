@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.library.clip_cache import arrays_of, clips_of
+from live.library.disk_cache import arrays_of, clips_of
 from live.motion.step_clip import StepClip
 
 LARGEST: Final = 64_000_000

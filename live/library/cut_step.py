@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.library.recording import RecordingEntry, RecordingError
+from live.library.recording_file import RecordingEntry, RecordingError
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.step_clip import StepClip
-from live.motion.step_figures import measured_direction, measured_distance
+from live.motion.step_clip import StepClip, measured_direction, measured_distance
 
 Float = npt.NDArray[np.floating]
 Float32 = npt.NDArray[np.float32]

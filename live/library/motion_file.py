@@ -4,12 +4,11 @@ from pathlib import Path
 from typing import Final
 
 from live.motion.formats.acclaim_motion import parse_amc
+from live.motion.formats.acclaim_skeleton import parse_asf
 from live.motion.formats.amass import parse_amass
-from live.motion.formats.asf import parse_asf
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.reader import parse_gltf
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.formats.source_motion import SourceMotion, UpAxis
 
 MAX_BYTES: Final = 256_000_000

@@ -1,18 +1,172 @@
-"""Recorded steps: what TOML files say about recordings, as step clips cut at the measure lines (T019, T039, T040)."""
+"""Recorded steps: what TOML files say about recordings, as step clips cut at the measure lines (T019, T039, T040).
 
+Recordings from disk as clips on the engine's skeleton, each file read once for all its steps.
+
+Streams: recordings that nobody has cut into steps, cut at their measure lines alone (T037, T038, T120).
+
+Every measure is a clip of one "step" named after the stream. What may follow what is decided by similarity alone; a
+measure of the recording follows the one before it without a seam, since its lead-in is that measure.
+"""
+
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-from live.library.clip_cache import ClipCache
 from live.library.cut_step import cut_step
-from live.library.motion_file import MAX_BYTES
-from live.library.recording import Problem, RecordingEntry, RecordingError, error_of
-from live.library.recording_file import StepFiles, nothing_in, read_step_files
-from live.library.recording_reader import RecordingReader
-from live.library.stream import cut_recording
+from live.library.disk_cache import ClipCache
+from live.library.motion_file import MAX_BYTES, read_motion
+from live.library.recording_file import (
+    Problem,
+    RecordingEntry,
+    RecordingError,
+    StepFiles,
+    error_of,
+    nothing_in,
+    read_step_files,
+)
+from live.motion.cleanup.glitch_detection import Glitch, find_glitches
+from live.motion.cleanup.glitch_repair import repair
+from live.motion.clip import Clip
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.mirror import mirror_step
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
+
+FRAMES_OFF: Final = 1
+"""Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
+
+
+class RecordingReader:
+    """Reads every file once and retargets it once for each way in which steps ask for it."""
+
+    def __init__(self) -> None:
+        self._motions: dict[tuple[object, ...], SourceMotion] = {}
+        self._clips: dict[tuple[object, ...], Clip] = {}
+        self._glitches: dict[tuple[object, ...], list[Glitch]] = {}
+
+    def clip(self, entry: RecordingEntry) -> Clip:
+        """The whole recording on the engine's skeleton; RecordingError that names file, line and field."""
+        key = _key(entry)
+        if key not in self._clips:
+            motion = self.motion(entry)
+            if entry.recording.repair:
+                _check_frames(entry, motion)
+                motion, _ = repair(motion, self._faults(entry, motion), fps=entry.recording.fps)
+            self._clips[key] = _retarget(entry, motion)
+        return self._clips[key]
+
+    def glitches(self, entry: RecordingEntry) -> list[Glitch]:
+        """Tracking faults that remain after a repair, if one is asked for; frames count from the file's first."""
+        motion = self.motion(entry)
+        faults = self._faults(entry, motion)
+        if not entry.recording.repair:
+            return faults
+        _, repairs = repair(motion, faults, fps=entry.recording.fps)
+        return [one.glitch for one in repairs if not one.done]
+
+    def _faults(self, entry: RecordingEntry, motion: SourceMotion) -> list[Glitch]:
+        key = _key(entry)
+        if key not in self._glitches:
+            recording = entry.recording
+            try:
+                tracks = body_tracks(motion, fps=recording.fps, up=recording.up, unit_m=recording.unit_m)
+            except MotionFileError as error:
+                raise entry.error("file", str(error)) from None
+            self._glitches[key] = find_glitches(tracks, motion.parents, recording.drop_frames)
+        return self._glitches[key]
+
+    def motion(self, entry: RecordingEntry) -> SourceMotion:
+        """What the file holds; RecordingError that names file, line and field."""
+        key = (entry.path, entry.skeleton, entry.recording.up)
+        if key not in self._motions:
+            try:
+                motion = read_motion(entry.path, skeleton=entry.skeleton, up=entry.recording.up)
+            except MotionFileError as error:
+                raise entry.error("file", str(error)) from None
+            except ValueError as error:  # names that no file can have
+                raise entry.error("file", f"cannot be read: {error}") from None
+            if motion.frame_count < motion.frames_declared - FRAMES_OFF:
+                words = (
+                    f"{entry.path} is cut off: it says {motion.frames_declared} frames and holds {motion.frame_count}; "
+                    "copy it again, or correct its line 'Frames:' if this is all"
+                )
+                raise entry.error("file", words)
+            self._motions[key] = motion
+        return self._motions[key]
+
+
+def _key(entry: RecordingEntry) -> tuple[object, ...]:
+    recording = entry.recording
+    read = (recording.fps, recording.drop_frames, recording.unit_m, recording.up, recording.repair)
+    return (entry.path, entry.skeleton, *read)
+
+
+def _check_frames(entry: RecordingEntry, motion: SourceMotion) -> None:
+    if entry.recording.drop_frames >= motion.frame_count:
+        words = f"{entry.recording.drop_frames}, but the recording has {motion.frame_count} frames"
+        raise entry.error("drop_frames", words)
+
+
+def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
+    recording = entry.recording
+    _check_frames(entry, motion)
+    try:
+        return retarget(
+            motion,
+            name=Path(recording.file).stem,
+            fps=recording.fps,
+            unit_m=recording.unit_m,
+            up=recording.up,
+            drop_frames=recording.drop_frames,
+        )
+    except MotionFileError as error:
+        raise entry.error("file", str(error)) from None
+    except ValueError as error:
+        raise entry.error("unit_m" if recording.unit_m is not None else "file", str(error)) from None
+
+
+OF_A_STEP: Final = ("leading_foot", "begin_pose", "end_pose", "weight_transfer", "direction", "distance_m")
+"""What is said of a step and means nothing for a stream."""
+
+
+def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
+    """All clips of an entry: its step, or the measures of its stream; each followed by its mirror image if asked.
+
+    RecordingError that names file, line and field.
+    """
+    own = cut_stream(entry, clip) if entry.recording.unstructured else [cut_step(entry, clip)]
+    if not entry.recording.mirror:
+        return own
+    return [both for step in own for both in (step, mirror_step(step))]
+
+
+def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
+    """The measures of a stream, from `start_measure` on: as many as are asked for, else all whole ones."""
+    recording = entry.recording
+    for field in OF_A_STEP:
+        if field in recording.model_fields_set:
+            raise entry.error(field, "it is said of a step, and an unstructured recording is none: leave it out")
+    count = recording.measures if "measures" in recording.model_fields_set else _whole(entry, clip)
+    cut_step(_told(entry, recording.start_measure, count), clip)  # tells a stream that is too long in its own words
+    return [replace(cut_step(_told(entry, recording.start_measure + n, 1), clip), in_stream=True) for n in range(count)]
+
+
+def _whole(entry: RecordingEntry, clip: Clip) -> int:
+    """How many whole measures there are from the first one on, at least 1, so that there is something to tell."""
+    recording = entry.recording
+    measure = recording.beats_per_measure * 60.0 / recording.bpm * clip.sample_rate
+    start = recording.first_beat_s * clip.sample_rate + (recording.start_measure - 1) * measure
+    return max(1, math.floor((clip.sample_count - 1 - start) / measure + 1e-9))
+
+
+def _told(entry: RecordingEntry, start: int, measures: int) -> RecordingEntry:
+    return replace(entry, recording=entry.recording.model_copy(update={"start_measure": start, "measures": measures}))
+
 
 __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 

@@ -7,8 +7,8 @@ from typing import Any
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from live.base.toml_lines import toml_lines
-from live.library.recording import Recording
+from live.base.toml import toml_lines
+from live.library.recording_file import Recording
 
 
 def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str | None:

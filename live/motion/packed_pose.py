@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.capture.packing_kernels import STEPS, read_rotations
+from live.motion.capture.capture_kernels import STEPS, read_rotations
 from live.motion.skeleton import JOINT_COUNT
 
 Float32 = npt.NDArray[np.float32]

@@ -1,6 +1,10 @@
 """Quaternions (w, x, y, z) as numpy arrays (..., 4), all broadcasting: for work done once, when clips are made.
 
 The frame loop uses the scalar kernels of `live.base.scalar_kernels` instead.
+
+Euler angles in any order to quaternions: what BVH channels mean (T164).
+
+The mean of rotations, and a rotation taken farther from it or nearer to it.
 """
 
 from typing import Final
@@ -118,3 +122,64 @@ def continuous(q: Float) -> Float:
         np.concatenate((np.ones_like(flips[:1]), np.cumprod(flips, axis=0))) if len(q) > 1 else np.ones(q.shape[:-1])
     )
     return np.asarray(q * signs[..., None])
+
+
+def euler_to_quaternion(angles: Float, order: str) -> Float:
+    """Unit quaternions (..., 4) of the rotations about the axes named in `order`, one angle each, (..., n) [rad].
+
+    `order` is read as BVH reads its channels: "ZXY" turns the child by R = Rz Rx Ry (column vectors), that is first
+    about y, then about the x and the z of the parent. Any number of axes from "XYZ" may be named, also one twice;
+    "" gives the identity.
+    """
+    half = 0.5 * np.asarray(angles, np.float64)
+    if half.shape[-1] != len(order):
+        raise ValueError(f"{half.shape[-1]} angles for the axes {order!r}")
+    result = np.zeros((*half.shape[:-1], 4))
+    result[..., 0] = 1.0
+    cosine, sine = np.cos(half), np.sin(half)
+    for place, axis in enumerate(order):
+        k = 1 + "XYZ".index(axis)
+        i, j = k % 3 + 1, (k + 1) % 3 + 1  # the next axes in the circle x, y, z
+        c, s = cosine[..., place], sine[..., place]
+        w, along, first, second = (result[..., n].copy() for n in (0, k, i, j))
+        result[..., 0] = w * c - along * s
+        result[..., k] = along * c + w * s
+        result[..., i] = first * c + second * s
+        result[..., j] = second * c - first * s
+    return result
+
+
+_FADE: Final = np.radians((150.0, 180.0))
+"""Rotations this far from the mean are scaled less and less: at half a turn both ways round are the same place."""
+
+
+def mean_rotation(rotation: Float) -> Float:
+    """Mean (..., 4) of rotations (T, ..., 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
+
+    It minimises the sum of squared chordal distances and does not care for the signs of quaternions (Markley et al.,
+    Averaging quaternions, 2007). w is not negative.
+    """
+    q = np.moveaxis(np.asarray(rotation, np.float64), 0, -2)
+    _, vectors = np.linalg.eigh(np.swapaxes(q, -1, -2) @ q)
+    mean = vectors[..., -1]
+    return np.asarray(mean * np.where(mean[..., :1] < 0.0, -1.0, 1.0))
+
+
+def scale_from(mean: Float, rotation: Float, factor: npt.ArrayLike) -> Float:
+    """mean · (mean⁻¹ q) ^ factor, for rotations q (..., 4) (T058): what is 1 in `factor` (...) stays as it is.
+
+    The power scales the angle of the shorter way from the mean. Beyond 150 degrees the factor fades to 1 at 180,
+    where there is no shorter way; no joint of a body swings so far.
+    """
+    rotation = np.asarray(rotation, np.float64)
+    factor = np.asarray(factor, np.float64)
+    away = mul(inverse(mean), rotation)
+    away = away * np.where(away[..., :1] < 0.0, -1.0, 1.0)
+    sine = np.linalg.norm(away[..., 1:], axis=-1)
+    angle = 2.0 * np.arctan2(sine, away[..., 0])
+    fade = 1.0 - np.clip((angle - _FADE[0]) / (_FADE[1] - _FADE[0]), 0.0, 1.0)
+    scaled = from_axis_angle(away[..., 1:], angle * (1.0 + (factor - 1.0) * fade))
+    result = mul(mean, scaled)
+    result = result * np.where(np.sum(result * rotation, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    untouched = np.broadcast_to(factor == 1.0, result.shape[:-1]) | (sine < 1e-12)
+    return np.asarray(np.where(untouched[..., None], rotation, result))

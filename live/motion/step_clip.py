@@ -1,9 +1,21 @@
-"""StepClip: a clip that holds one danced step of whole measures, with the lead-in before it (T039, T040, T042)."""
+"""StepClip: a clip that holds one danced step of whole measures, with the lead-in before it (T039, T040, T042).
 
+What can be measured of a step clip: its way (T040, T131), its contacts on the beats, how far its feet slide.
+
+Clips of the same step are aligned by construction: where the samples of one lie in the other (T044, T045).
+"""
+
+import itertools
+import math
 from dataclasses import dataclass
 from typing import Final, Literal
 
+import numpy as np
+import numpy.typing as npt
+
 from live.motion.clip import Clip
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import SKELETON
 
 DIRECTIONS: Final = (
     "in place",
@@ -72,3 +84,104 @@ class StepClip:
     def beats(self) -> int:
         """Length in beats."""
         return self.measures * self.beats_per_measure
+
+
+Float64 = npt.NDArray[np.float64]
+
+IN_PLACE: Final = 0.15
+"""A step that gets less than this far [m] in a measure is danced in place."""
+LONG: Final = 0.55
+"""A step that gets farther than this [m] in a measure is a long one (T131: sketches go 0.35 or 0.75)."""
+_FEET: Final = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
+
+
+def travel(step: StepClip) -> Float64:
+    """Way of the hips (x, z) [m] from the first to the last measure line, in the clip's own axes, shape (2,)."""
+    ends = np.array((step.first, step.first + step.measures * step.samples_per_measure))
+    low = np.clip(ends.astype(np.int64), 0, step.clip.sample_count - 1)
+    high = np.minimum(low + 1, step.clip.sample_count - 1)
+    part = (ends - low)[:, None]
+    root = step.clip.root_position.astype(np.float64)
+    begin, end = ((1.0 - part) * root[low] + part * root[high])[:, (0, 2)]
+    return np.asarray(end - begin, np.float64)
+
+
+def measured_distance(step: StepClip) -> float:
+    """Length of that way [m]."""
+    return float(np.hypot(*travel(step)))
+
+
+def measured_direction(step: StepClip) -> str:
+    """The one of DIRECTIONS (T131) that comes nearest to the way: clips begin facing +z, her left is at +x."""
+    x, z = travel(step)
+    distance = math.hypot(x, z) / step.measures
+    if distance < IN_PLACE:
+        return "in place"
+    size = "short" if distance < LONG else "long"
+    if abs(z) >= abs(x):
+        return f"{size} {'forward' if z > 0 else 'back'}"
+    return f"{size} {'left' if x > 0 else 'right'}"
+
+
+def beat_contacts(step: StepClip) -> Float64:
+    """Share of each beat during which the left and the right foot are on the floor, 0 to 1, shape (beats, 2)."""
+    per_beat = step.samples_per_measure / step.beats_per_measure
+    edges = np.round(step.first + np.arange(step.beats + 1) * per_beat).astype(np.int64)
+    edges = np.clip(edges, 0, step.clip.sample_count - 1)
+    return np.stack(
+        [step.clip.contact[low : max(high, low + 1)].mean(axis=0) for low, high in itertools.pairwise(edges)]
+    )
+
+
+def foot_slide(step: StepClip) -> float | None:
+    """Mean speed over the floor [m/s] of the feet while they are in contact; None if neither ever is.
+
+    Of heel and ball the one that stands stiller counts, as in the report of a film.
+    """
+    first, last = int(step.first), math.ceil(step.first + step.measures * step.samples_per_measure)
+    part = slice(first, last + 1)
+    position, _ = forward_kinematics(
+        step.clip.root_position[part].astype(np.float64), step.clip.rotation[part].astype(np.float64)
+    )
+    feet = position[:, np.array(_FEET)]  # (T, foot, heel or ball, 3)
+    moved = np.hypot(*np.diff(feet, axis=0)[..., (0, 2)].transpose(3, 0, 1, 2)) * step.clip.sample_rate
+    stands = step.clip.contact[part][1:] & step.clip.contact[part][:-1]
+    speed = moved.min(axis=-1)[stands]
+    return float(speed.mean()) if len(speed) else None
+
+
+Float = npt.NDArray[np.floating]
+
+
+def check_same_step(a: StepClip, b: StepClip) -> None:
+    """ValueError, in words for a person, unless both are the same step of the same measures (T040)."""
+    if a.step != b.step:
+        raise ValueError(f"{a.step!r} and {b.step!r} are different steps; only clips of one step are aligned")
+    for field, words in (("measures", "measures"), ("beats_per_measure", "beats in a measure")):
+        one, other = getattr(a, field), getattr(b, field)
+        if one != other:
+            raise ValueError(f"the clips {a.clip.name!r} and {b.clip.name!r} have {one} and {other} {words}")
+
+
+def check_same_structure(a: StepClip, b: StepClip) -> None:
+    """ValueError unless both are the same step in the same structural variation (T046): foot and poses at both ends.
+
+    Where nobody has said which foot leads, a mirrored clip is taken for the other foot.
+    """
+    check_same_step(a, b)
+    fields = ["begin_pose", "end_pose", "weight_transfer"]
+    fields.insert(0, "leading_foot" if a.leading_foot and b.leading_foot else "mirrored")
+    for field in fields:
+        one, other = getattr(a, field), getattr(b, field)
+        if one != other:
+            words = field.replace("_", " ")
+            raise ValueError(
+                f"the clips {a.clip.name!r} and {b.clip.name!r} differ in structure: {words} is {one!r} and {other!r}; "
+                "interpolate clips that begin on the same foot and share their poses"
+            )
+
+
+def samples_in(other: StepClip, of: StepClip) -> Float:
+    """For each sample of `of`, where the same moment of the step lies in `other`, in fractional samples (T,)."""
+    own = np.arange(of.clip.sample_count) - of.first
+    return np.asarray(other.first + own * (other.samples_per_measure / of.samples_per_measure))

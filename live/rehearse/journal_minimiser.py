@@ -16,14 +16,14 @@ from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
 from live.control.events.events import PatchChanged, StepsAdded, StepsChanged, TicksSkipped
 from live.rehearse.failure import DIFFERENT, Failure
-from live.show.core import Show
 from live.show.journal.journal import line_of
-from live.show.journal.journal_reading import Journal, read_journal
-from live.show.journal.replay_start import ReplayError, loaded_by
-from live.show.load import LoadedShow, show_of
+from live.show.journal.journal_reader import Journal, read_journal
+from live.show.journal.replay import ReplayError, loaded_by
+from live.show.loader import LoadedShow, show_of
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES
-from live.show.selection.library_hash import library_hash
+from live.show.selection.graph_update import library_hash
+from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 
 Entry = tuple[int, ControlEvent]

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
-from live.rehearse.band import FakeBand
-from live.rehearse.players import Call
+from live.rehearse.simulated_band import FakeBand
+from live.rehearse.simulated_players import Call
 
 PULSES: Final = 24
 """Pulses of MIDI clock in a beat."""

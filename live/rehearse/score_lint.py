@@ -10,14 +10,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from live.base.errors import PersonError
-from live.graph.search.wanted import parse_sequence
-from live.show.core import Show
+from live.graph.search.sequence import parse_sequence
 from live.show.group.group_motion import AGENT_RADIUS
-from live.show.patch.cue import CueSection
 from live.show.patch.cue_cycle_check import cue_loops
 from live.show.patch.patch import Patch
-from live.show.score.places import END
+from live.show.patch.section_cues import CueSection
+from live.show.score.playhead import END
 from live.show.score.score import stretches_of
+from live.show.show import Show
 
 TO_SECTION: Final = "/dance/section"
 TO_SCENE: Final = "/dance/scene"

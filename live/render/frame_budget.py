@@ -6,8 +6,8 @@ One path for every live picture, in a window, without one, and in the bench.
 from collections.abc import Callable
 from typing import Any
 
-from live.render.frame_times import FrameTimes
-from live.render.ladder import Ladder
+from live.render.adaptive_quality import Ladder
+from live.render.frame_stats import FrameTimes
 from live.render.renderer import Renderer
 
 

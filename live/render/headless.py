@@ -1,11 +1,84 @@
-"""Drawing without a screen: an OpenGL context through EGL and a target to draw into."""
+"""Drawing without a screen: an OpenGL context through EGL and a target to draw into.
+
+Frames back from the graphics card: read the last one while the next is drawn.
+"""
 
 import sys
 from typing import Any
 
 import moderngl
+import numpy as np
+import numpy.typing as npt
 
-from live.render.readback import FrameReader, Picture
+Picture = npt.NDArray[np.uint8]
+
+
+class FrameReader:
+    """Reads frames of one size (width, height) through two pixel buffers, so that nothing waits for the card.
+
+    Pictures are uint8 RGB of shape (height, width, 3), with `alpha` RGBA of four channels, the top row first. They are
+    views of one array of the reader's own and hold until its next call: who keeps a picture copies it. A framebuffer of
+    another size (a window that was resized while its film is made) fills what it can from the upper left corner; the
+    rest is black, and transparent.
+    """
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, alpha: bool = False) -> None:
+        width, height = size
+        if width < 1 or height < 1:
+            raise ValueError(f"a picture of {width}x{height} pixels cannot be read")
+        self.size = size
+        self._channels = 4 if alpha else 3
+        self._buffers = [ctx.buffer(reserve=width * height * self._channels) for _ in range(2)]
+        self._filled: list[tuple[int, int] | None] = [None, None]
+        self._turn = 0
+        self._pixels: Picture = np.zeros((height, width, self._channels), np.uint8)
+
+    def push(self, framebuffer: moderngl.Framebuffer) -> Picture | None:
+        """Start to read what was just drawn; returns the picture before it (None the first time)."""
+        self._start(framebuffer)
+        self._turn = 1 - self._turn
+        return self._finish()
+
+    def flush(self) -> Picture | None:
+        """The last picture pushed and not yet returned; None when there is none."""
+        self._turn = 1 - self._turn
+        return self._finish()
+
+    def read(self, framebuffer: moderngl.Framebuffer) -> Picture:
+        """What was just drawn, at once; this waits for the card."""
+        self._start(framebuffer)
+        picture = self._finish()
+        assert picture is not None
+        return picture
+
+    def release(self) -> None:
+        """Give the pixel buffers back to the card."""
+        for buffer in self._buffers:
+            buffer.release()
+
+    def _start(self, framebuffer: moderngl.Framebuffer) -> None:
+        there: Any = framebuffer.viewport  # a window's framebuffer tells its true size only here
+        left, bottom, width, height = there
+        columns, rows = min(width, self.size[0]), min(height, self.size[1])
+        corner = (left, bottom + height - rows, columns, rows)
+        framebuffer.read_into(self._buffers[self._turn], viewport=corner, components=self._channels, alignment=1)
+        self._filled[self._turn] = (columns, rows)
+
+    def _finish(self) -> Picture | None:
+        filled = self._filled[self._turn]
+        if filled is None:
+            return None
+        self._filled[self._turn] = None
+        if filled == self.size:
+            self._buffers[self._turn].read_into(self._pixels)
+            return self._pixels[::-1]  # OpenGL's first row is the lowest
+        columns, rows = filled
+        part = np.frombuffer(self._buffers[self._turn].read(size=columns * rows * self._channels), np.uint8)
+        self._pixels.fill(0)
+        upright = self._pixels[::-1]
+        upright[:rows, :columns] = part.reshape(rows, columns, self._channels)[::-1]
+        return upright
+
 
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
 

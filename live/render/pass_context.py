@@ -6,8 +6,8 @@ from typing import Final, Protocol
 import moderngl
 
 from live.base.stage_snapshot import Scene, StageView
+from live.render.adaptive_quality import Quality
 from live.render.dancers.dancer_batch import Crowd
-from live.render.quality import Quality
 from live.render.uniforms import FrameBlock
 
 HDR: Final = "f2"

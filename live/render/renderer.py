@@ -7,19 +7,15 @@ from typing import Final
 import moderngl
 
 from live.base.custom_pass import OwnPass
-from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.picture_parameters import AMOUNTS, BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
 from live.base.stage_snapshot import PATH, Camera, Scene, StageView
-from live.base.styles import AMOUNTS
+from live.render.adaptive_quality import CARD, Quality, Step, choose, ladder_of
 from live.render.dancers.dancer_batch import Crowd
-from live.render.full import Full
 from live.render.gl_release import release_all
-from live.render.ladder import Step, ladder_of
 from live.render.pass_context import Making, Moment
-from live.render.passes.graph_pass import GraphPass
-from live.render.passes.guide_pass import GuidePass
-from live.render.passes.overlay_pass import OverlayPass
+from live.render.passes.overlay_pass import GraphPass, GuidePass, OverlayPass
 from live.render.pipeline import Pipeline
-from live.render.quality import CARD, Quality, choose
+from live.render.shader import Full
 from live.render.uniforms import FrameBlock
 
 LEAP: Final = 64.0

@@ -6,14 +6,14 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.lights import SPOTS
-from live.base.picture import (
+from live.base.picture_parameters import (
     BY_ADDRESS,
     COLOURS,
     LENS,
     LEVEL,
     MIRROR,
     SHADOW,
+    SPOTS,
     STANDING,
     STYLES,
     VIGNETTE,

@@ -1,12 +1,22 @@
-"""Assembly: the parts of one show, made of patch and graph and joined to each other."""
+"""Assembly: the parts of one show, made of patch and graph and joined to each other.
+
+Exchange: the parts of a running show take over what an edited patch says from those of a fresh show of it.
+
+Everything heavy was made with the fresh show, by another thread; here references change hands. Both shows are made of
+the same parts under the same names, so each part meets its like: whoever has something of a patch has a method
+`take_patch(fresh)`, and whoever keeps the patch itself finds the new one where the old one was.
+
+Changeover: a running show goes over to a graph that has grown, and to a patch that was edited.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from typing import Any, Final, Self
 
 import numpy as np
 
 from live.agents.crowd.agent_state import AgentState
-from live.clock.follower.seed import Seed
+from live.clock.follower.manual_control import Seed
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import Choosing
@@ -16,10 +26,10 @@ from live.show.audience.audience import Audience
 from live.show.capture.capture_manager import Mocap
 from live.show.circuit_breakers import Breakers
 from live.show.dancers.dancers import Dancers
+from live.show.dancers.live_texture import Texturing
 from live.show.dancers.step_requests import Directions
-from live.show.dancers.texturing import Texturing
 from live.show.dancers.variation import Variation
-from live.show.desk.desk import Desk
+from live.show.desk.light_desk import Desk
 from live.show.desk.refusals import Refusals
 from live.show.group.casting import Casting
 from live.show.group.group_commands import GroupControls
@@ -29,14 +39,14 @@ from live.show.partner.partner_pairs import check_partners
 from live.show.partner.partner_response import Answering
 from live.show.partner.partner_sources import AnswerBank
 from live.show.patch.patch import Patch
-from live.show.patch.reloading import Reloading
+from live.show.patch.patch_update import Prepared, Reloading
 from live.show.score.group_programs import programmes_of
+from live.show.score.music_reactions import Reactions
 from live.show.score.playhead import Playhead
-from live.show.score.reactions import Reactions
 from live.show.score.score_runner import Prompter
+from live.show.selection.graph_update import NewSteps
 from live.show.selection.initial_nodes import first_nodes
 from live.show.selection.interrupts import Interrupts
-from live.show.selection.new_steps import NewSteps
 from live.show.selection.scheduler import Scheduler
 from live.show.sound.clock_commands import first_seeds, follower_of
 from live.show.view.view_builder import Seen
@@ -137,3 +147,74 @@ class Assembly(ABC):
         for seed in first_seeds(self.patch, self.follower, self._known):
             told(seed)
         self.follower.on_seed = told
+
+
+_PARTS: Final = "live.show."
+
+
+def exchange(part: Any, fresh: Any, old: Patch, new: Patch) -> None:
+    """Let `part` and all parts below it take over what `fresh` and its parts have of the patch `new`.
+
+    `take_patch` is called while the part still holds the `old` patch, once for every part, outermost first.
+    """
+    _exchange(part, fresh, old, new, set())
+
+
+def _exchange(part: Any, fresh: Any, old: Patch, new: Patch, met: set[int]) -> None:
+    met.add(id(part))
+    take = getattr(part, "take_patch", None)
+    if take is not None:
+        take(fresh)
+    for name, value in list(vars(part).items()):
+        if value is old:
+            setattr(part, name, new)
+        elif type(value).__module__.startswith(_PARTS) and hasattr(value, "__dict__") and id(value) not in met:
+            like = getattr(fresh, name, None)
+            if type(like) is type(value) and like is not value:
+                _exchange(value, like, old, new, met)
+
+
+class Changeover(Assembly):
+    """What other threads prepared is held here, and taken while nobody's next measure is decided."""
+
+    def offer(self, library: str, graph: MotionGraph) -> None:
+        """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
+        self._new_steps.offer(library, graph)
+
+    def another(self, patch: Patch, graph: MotionGraph) -> Self:
+        """A fresh show of another patch, with this one's seed; not to be run. Takes a while; thread: any."""
+        choosing = self.scheduler.choosing  # of a show that does not run nobody reads or changes it
+        known, bank = choosing if choosing.graph is graph else None, self.dancers.texturing.bank
+        answers = None if self.dancers.answering is None else self.answers
+        return type(self)(patch, graph, seed=self.seed, choosing=known, bank=bank, answers=answers)
+
+    def offer_patch(self, prepared: Prepared) -> None:
+        """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""
+        self.reloading.offer(prepared)
+
+    @property
+    def latest_graph(self) -> MotionGraph:
+        """The graph that is danced, or that will be from the next measure line on."""
+        return self._new_steps.coming or self.graph
+
+    def _take_patch(self) -> None:
+        """Go on as an edited patch says, if there is one. To be called while nobody's next measure is decided."""
+        fresh = self.reloading.take(self.patch, self.dancers.node)
+        if fresh is None:
+            return
+        self._take_graph()
+        if fresh.graph is not self.graph:
+            self.graph = fresh.graph
+            self.dancers.take_graph(self.graph)
+            self.scheduler.take_graph(self.graph, fresh.scheduler.choosing)
+        exchange(self, fresh, self.patch, fresh.patch)
+        self.motion.withdraw(self.span.number + 1)
+
+    def _take_graph(self) -> None:
+        """Dance in the graph that has grown, if there is one."""
+        grown = self._new_steps.take(self.dancers)
+        if grown is None:
+            return
+        self.graph, choosing = grown
+        self.dancers.take_graph(self.graph)
+        self.scheduler.take_graph(self.graph, choosing)

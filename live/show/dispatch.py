@@ -6,12 +6,12 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import ControlEvent
+from live.show.assembly import Changeover
 from live.show.audience.audience import AUDIENCE_EVENTS
 from live.show.capture.capture_manager import MOCAP_EVENTS
-from live.show.changeover import Changeover
 from live.show.circuit_breakers import Stage, out_of_service
 from live.show.dancers.step_requests import DIRECTIONS
-from live.show.desk.desk import DESK_EVENTS
+from live.show.desk.light_desk import DESK_EVENTS
 from live.show.group.group_commands import GROUP_EVENTS
 from live.show.score.score_runner import SCORE_EVENTS
 from live.show.sound.clock_commands import CLOCK_EVENTS, tell

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol, TypeVar
 
+from live.base.event_queue import Inbox
 from live.base.fault_isolation import Bulkhead, name_of
-from live.base.inbox import Inbox
 from live.base.processing_budget import Allowance
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import STALL, TICK, Ticks
@@ -21,11 +21,10 @@ from live.control.events.events import (
     TicksSkipped,
     TrackerMoved,
 )
-from live.show.acting import act
 from live.show.circuit_breakers import Stage
-from live.show.core import Show
 from live.show.journal.journal import JournalWriter
 from live.show.patch.patch import Patch
+from live.show.show import Show, act
 from live.show.status import Status
 from live.show.view.debug_overlay import draw_guides
 

@@ -1,19 +1,22 @@
-"""Status: the figures of a running show, one JSON object a second in the form of the contracts."""
+"""Status: the figures of a running show, one JSON object a second in the form of the contracts.
+
+Pressure: how hard it is for the machine to keep up, as one number for whoever can draw less.
+"""
 
 import json
 import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from live.base.fault_isolation import Bulkhead, name_of
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.show.core import Show
-from live.show.journal.line_writer import LineWriter
+from live.show.journal.journal_writer import LineWriter
 from live.show.selection.choices import why_in_words
+from live.show.show import Show
 
 KEPT = 4096
 """Frame times kept for the percentiles: about the last minute."""
@@ -231,3 +234,37 @@ class StatusFile:
         if time > self._next - 0.9:
             self._writer.line(json.dumps(self._status.snapshot(time)))
         self._writer.close()
+
+
+HALFLIFE: Final = 2.0
+"""After so many seconds a late frame counts half."""
+FULL: Final = 0.1
+"""This share of late frames is all the pressure there is: a dance that stutters."""
+
+
+class Pressure:
+    """0 where every frame is in time, 1 where a tenth of them or more is late, or the machine has far too much to do.
+
+    Thread: the show's.
+    """
+
+    def __init__(self) -> None:
+        self._share = 0.0
+        self._late = 0
+        self._overload = 0.0
+
+    @property
+    def value(self) -> float:
+        """0 to 1."""
+        return max(min(self._share / FULL, 1.0), self._overload)
+
+    def frame(self, late: int, seconds: float, overload: float = 0.0) -> None:
+        """After each frame: `late` frames since the start, and how long this one took from the last one [s].
+
+        `overload`: 0 to 1, what whoever watches over the show feels of a machine that has too much to do.
+        """
+        self._overload = overload
+        kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
+        now = 1.0 if late > self._late else 0.0
+        self._late = late
+        self._share = kept * self._share + (1.0 - kept) * now

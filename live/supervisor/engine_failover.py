@@ -8,17 +8,16 @@ from typing import Any, Final
 
 from live.supervisor.adoption.adoption import Adopted, Adoption
 from live.supervisor.adoption.journal_resume import CutOff
-from live.supervisor.child import Child
 from live.supervisor.cpu_priority import bring_forward
-from live.supervisor.deaths import Deaths, Lesson
+from live.supervisor.engine_deaths import Deaths, Lesson
 from live.supervisor.heartbeat import Phase
-from live.supervisor.log import Log
+from live.supervisor.line_channel import Wire
 from live.supervisor.prefork import Nursery
+from live.supervisor.process import Child, Starter
+from live.supervisor.recovery_log import Log
 from live.supervisor.restart_policy import HANGS_AFTER, LEAVES_WITHIN, SETTLED, Backoff
-from live.supervisor.starter import Starter
 from live.supervisor.supervisor_config import Orders, Report
 from live.supervisor.watchdog import overload
-from live.supervisor.wire import Wire
 
 ENDS_WITHIN: Final = 0.2
 """Seconds in which a process is gone whose end was seen at its wire."""

@@ -16,12 +16,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from live.supervisor.child import Child
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.lifeline import Lifeline, nobody_left
+from live.supervisor.line_channel import Wire
+from live.supervisor.process import Child, Starter
 from live.supervisor.restart_policy import Backoff
-from live.supervisor.starter import Starter
-from live.supervisor.wire import Wire
+from live.supervisor.supervisor_link import Lifeline, nobody_left
 
 ADOPT: Final = 36
 """PR_SET_CHILD_SUBREAPER."""

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from live.clock.ticks import TICK
-from live.control.events.machine_events import BreakerTripped, ResetBreaker
+from live.control.events.system import BreakerTripped, ResetBreaker
 from live.show.circuit_breakers import Stage, escalation, out_of_service
-from live.show.core import Show
 from live.show.journal.journal import line_of
 from live.show.journal.skipped_events import SINCE, left_out_line
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
+from live.show.show import Show
 from live.show.state.snapshot import SnapshotError, Snapshots, restore
 from live.supervisor.state_follower import Following, Line, TickFailed, is_event
 

@@ -14,17 +14,16 @@ from live.base.compression import unpacked
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json
 from live.control.events.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
-from live.show.acting import act
-from live.show.core import Show
-from live.show.journal.replay_start import ReplayError, loaded_of
+from live.show.journal.replay import ReplayError, loaded_of
 from live.show.journal.skipped_events import LEFT_OUT, can_be_left_out
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
-from live.show.selection.library_hash import library_hash
+from live.show.selection.graph_update import library_hash
+from live.show.show import Show, act
 from live.show.state.snapshot import SnapshotError, restore
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.lifeline import in_words
-from live.supervisor.log import Log
+from live.supervisor.recovery_log import Log
+from live.supervisor.supervisor_link import in_words
 
 ARRIVALS: Final = 256
 """Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""

@@ -11,20 +11,18 @@ import socket
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.show.journal.line_writer import Written
+from live.show.journal.journal_writer import Written
 from live.supervisor.adoption.adoption import Adoption
 from live.supervisor.adoption.audio_adoption import adopt_sound
 from live.supervisor.adoption.journal_resume import CutOff
 from live.supervisor.adoption.rendezvous import Meeting
-from live.supervisor.child import Child
-from live.supervisor.disk import Disk
 from live.supervisor.engine_failover import Engines
+from live.supervisor.line_channel import Wire
 from live.supervisor.network.remote_standby import Remote
-from live.supervisor.reaper import Reaper
-from live.supervisor.side import Side
-from live.supervisor.starter import Starter
+from live.supervisor.process import Child, Side, Starter
+from live.supervisor.process_stats import Reaper
+from live.supervisor.recovery_log import Disk
 from live.supervisor.supervisor_config import Orders, Report
-from live.supervisor.wire import Wire
 
 TELL_EVERY: Final = 1.0
 CONFIRM_EVERY: Final = 0.2

@@ -4,7 +4,7 @@ A process hangs when it has had `HANGS_AFTER` seconds *of its own* without a hea
 could have. Seconds in which it waited for a processor are not its own; those in which it waited for something else
 count the less the slower the machine is, for what it waits for is as slow. So the limit grows with the overload and is
 as short as ever on a quiet machine; `CEILING` bounds it. Nothing here reads a clock or a file: see
-`live.supervisor.procfs`.
+`live.supervisor.process_stats`.
 """
 
 import math

@@ -4,10 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.app.drawing_watch import DrawingWatch
+from live.app.adaptive_quality import DrawingWatch
 from live.control.events.events import HoldQuality, Tap
-from live.render.ladder import ladder_of
-from live.render.quality import SOFTWARE
+from live.render.adaptive_quality import SOFTWARE, ladder_of
 
 PERIOD = 1.0 / 30.0
 

@@ -6,12 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.app.floor_keeping import GUESS, FloorKeeping, seen_corners
-from live.app.output_keeping import OutputKeeping
-from live.base.picture import camera_of
+from live.app.output_config import GUESS, FloorKeeping, OutputKeeping, seen_corners
+from live.base.picture_parameters import camera_of
 from live.base.stage_snapshot import Camera
 from live.render.camera import pixel_of
-from live.show.patch.toml_file import parse_model
+from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue, venue_path
 from tests.show.desk_show import Hands
 

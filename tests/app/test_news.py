@@ -2,7 +2,7 @@
 
 import threading
 
-from live.app.news import News
+from live.app.session import News
 
 
 class Part:

@@ -4,12 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.app.output_keeping import OutputKeeping
-from live.app.output_setup import OutputSetup
+from live.app.output_config import OutputKeeping
+from live.app.projector_setup import OutputSetup
 from live.control.events.events import ShowCard
-from live.render.outputs.editing import Editing
-from live.render.outputs.floor_editing import FloorEditing
 from live.render.outputs.output import UNBENT, Output
+from live.render.outputs.warp_editor import Editing, FloorEditing
 from live.render.window.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
 from live.show.venue.venue import read_venue
 

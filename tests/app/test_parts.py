@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.app.parts import Parts
+from live.app.service_registry import Parts
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from tests.control.waiting import wait_for
@@ -101,7 +101,7 @@ class Page(Device):
 
 
 def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
-    monkeypatch.setattr("live.app.parts.FIRST_PAUSE", 0.01)
+    monkeypatch.setattr("live.app.service_registry.FIRST_PAUSE", 0.01)
     parts, page, good = Parts(), Page(4), Lamp()
     parts.add(page)
     parts.add(good)

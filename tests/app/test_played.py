@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from live.app.played import Played
-from live.app.wish import Wish
+from live.app.launch_options import Played, Wish
 from live.control.message_codec import packet_of
 
 WISH = Wish(

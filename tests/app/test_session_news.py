@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import pytest
 
-from live.app.session_news import session_news
+from live.app.session import session_news
 
 
 def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:

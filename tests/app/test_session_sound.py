@@ -6,14 +6,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from live.app.session_sound import Sound, analysis_for, make_audio
-from live.base.inbox import Inbox
-from live.clock.follower.seed import Seed
+from live.app.session_audio import Sound, analysis_for, make_audio
+from live.base.event_queue import Inbox
+from live.clock.follower.manual_control import Seed
 from live.clock.tracking.beat_tracker import Tracker
-from live.control.audio.audio_analysis import AudioAnalysis
-from live.control.audio.audio_device import AudioInput
+from live.control.audio.analysis import AudioAnalysis
+from live.control.audio.audio_input import AudioInput
 from live.control.events.events import ControlEvent, RestartAudio
-from live.show.venue.venue_latency import Latencies
+from live.show.venue.venue import Latencies
 from tests.control.audio.fake_sound import fake_sound_system
 
 LOADED: Any = SimpleNamespace(patch=SimpleNamespace(clock=SimpleNamespace(tracker="network")))

@@ -4,12 +4,12 @@ import socket
 import threading
 from pathlib import Path
 
+from live.app.launch_options import Wish
 from live.app.session import Session
-from live.app.session_sound import Sound
-from live.app.wish import Wish
+from live.app.session_audio import Sound
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.lifeline import Lifeline
-from live.supervisor.wire import Wire
+from live.supervisor.line_channel import Wire
+from live.supervisor.supervisor_link import Lifeline
 from tests.end_to_end.conftest import PATCH
 
 

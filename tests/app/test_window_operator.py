@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from live.app.window_operator import Operator
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.base.stage_snapshot import Camera, Look, Scene
 from live.control.events import events
 from live.render.camera import pixel_of

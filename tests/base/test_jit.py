@@ -11,7 +11,7 @@ import pytest
 
 from live.base import jit
 from live.base import scalar_kernels as kernels
-from live.motion.pose.legs_kernels import follow_feet
+from live.motion.pose.foot_lock_kernels import follow_feet
 
 
 def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_path, monkeypatch):

@@ -5,8 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 
 actions_of_two = st.lists(st.one_of(st.none(), st.sampled_from("abcx")), max_size=60)
 

@@ -3,8 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.inbox import Inbox
-from live.base.precedence import HELD, Precedence
+from live.base.event_queue import HELD, Inbox, Precedence
 
 SET = st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 2), st.floats(0.0, 0.2)), max_size=40)
 

@@ -1,7 +1,6 @@
 """Nothing that a file says is obeyed by the terminal it is shown on."""
 
-from live.base.errors import PersonError
-from live.base.printable import printable
+from live.base.errors import PersonError, printable
 
 
 def test_what_a_terminal_obeys_is_spelled_out():

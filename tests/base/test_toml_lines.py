@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
+from live.base.toml import KeyPath, error_line, line_of, toml_lines
 
 TEXT = '''# a show
 title = "first"          # line 2

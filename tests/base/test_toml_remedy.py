@@ -4,8 +4,7 @@ import tomllib
 
 import pytest
 
-from live.base.toml_lines import error_line
-from live.base.toml_remedy import toml_remedy
+from live.base.toml import error_line, toml_remedy
 
 BAD = [
     ("steps = folder", 'steps = "folder"', 'steps = "folder"'),

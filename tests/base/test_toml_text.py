@@ -5,7 +5,7 @@ import tomllib
 
 import pytest
 
-from live.base.toml_text import MOST_KEYS, toml_values
+from live.base.toml import MOST_KEYS, toml_values
 
 
 @pytest.mark.parametrize("value", ["9" * 5000, "0x" + "f" * 20, "0x" + "f" * 50000, "[1, [-9, 0b" + "1" * 70 + "]]"])

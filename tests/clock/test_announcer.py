@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from live.clock.beat_announcer import BIAS, LATEST, LEAD, Announcer
-from live.clock.estimate import BeatEstimate
+from live.clock.beat_estimate import BeatEstimate
 
 HOP = 0.0116
 DELAY = 3 * HOP

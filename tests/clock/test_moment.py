@@ -2,8 +2,7 @@
 
 import pytest
 
-from live.clock.moment import Moment
-from live.clock.timeline import Timeline
+from live.clock.timeline import Moment, Timeline
 
 
 def test_reads_beat_measure_and_phase() -> None:

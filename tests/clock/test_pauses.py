@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.clock.pauses import Pauses
+from live.clock.silence import Pauses
 
 HOP = 0.0116
 

@@ -1,6 +1,6 @@
 """Quiet: silence, rests that belong to the music, and the pauses that do not."""
 
-from live.clock.quiet import BEATING, PAUSE, SILENT_AFTER, Quiet
+from live.clock.silence import BEATING, PAUSE, SILENT_AFTER, Quiet
 
 HOP = 0.01
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.rate_watch import RateWatch
+from live.clock.sample_clock import RateWatch
 
 
 def told(says: float, rate: float, *, jitter: float = 0.02, block: int = 512, lost: float = 0.0) -> list[float]:

@@ -76,7 +76,7 @@ def pulse_sink() -> Iterator[PulseSink]:
     missing = [name for name in NEEDED if shutil.which(name) is None]
     if missing:
         pytest.skip(f"{', '.join(missing)} not installed (apt install pulseaudio pulseaudio-utils)")
-    from live.control.audio.sound_devices import SoundUnavailable, list_input_devices, refresh
+    from live.control.audio.devices import SoundUnavailable, list_input_devices, refresh
 
     try:
         list_input_devices()

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from live.control.audience.rules import Beat, Rules
+from live.control.audience.session_state import Beat, Rules
 from live.control.events import events
 from live.control.events.event_json import register_events
 from live.control.message_codec import PacketError, packet_of, read_packet

@@ -9,9 +9,9 @@ from statistics import median
 import numpy as np
 import pytest
 
+from live.app.launch_options import Wish
 from live.app.services.audience_service import AudiencePart
-from live.app.wish import Wish
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.base.stage_snapshot import Camera, Look, Scene
 from live.clock.time_source import SystemClock
 from live.control.events import events

@@ -11,8 +11,7 @@ from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.variation import Variation
-from live.show.dancers.variety import Variety
+from live.show.dancers.variation import Variation, Variety
 from tests.made_steps import made_steps
 from tests.steps_of_the_project import project_steps
 

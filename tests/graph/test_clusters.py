@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.build.transition import all_pairs, transition_windows
+from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.clusters import connectivity, leads, nearest_steps, structural_components
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library

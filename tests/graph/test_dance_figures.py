@@ -9,10 +9,10 @@ import pytest
 from live.graph.dance_metrics import DanceFigures, RawClips, list_and_p95, median_and_p95, ratio
 from live.graph.motion_graph import build_graph
 from live.graph.render_dance import assemble
-from live.graph.search.path import Targets
+from live.graph.search.path_following import Targets
 from live.graph.step_library import build_library
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.smoothness import at_samples
+from live.motion.quality.metrics import at_samples
 from tests.made_steps import made_clip
 from tests.steps_of_the_project import project_steps
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.graph.followers import followers
+from live.graph.clusters import followers
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps

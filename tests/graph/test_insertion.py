@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.build.flat import FlatClouds
-from live.graph.build.joins import Boundaries, Joins
+from live.graph.build.metric import FlatClouds
+from live.graph.build.transitions import Boundaries, Joins
 from live.graph.library_insert import insert_clips, stranded
-from live.graph.moments import Moments
 from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.node_features import Moments
 from live.graph.step_library import StepLibrary, build_library
 from live.graph.takes import Takes
 from live.motion.pose.pose_pipeline import ClipStore

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.graph.layers_kernels import cheapest_on
+from live.graph.distance_kernels import cheapest_on
 
 
 def test_a_layer_is_the_least_of_every_row_of_edges():

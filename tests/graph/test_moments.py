@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.build.transition import clouds
+from live.graph.build.transitions import clouds
 from live.graph.library_insert import insert_clips
-from live.graph.moments import body_features, heading_of, moments_of
 from live.graph.motion_graph import build_graph
-from live.graph.select.placing import turn_vectors
+from live.graph.node_features import body_features, heading_of, moments_of
+from live.graph.select.candidates import turn_vectors
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.graph.build.transition import all_pairs, transition_windows
-from live.graph.build.weights import Metric
+from live.graph.build.metric import Metric
+from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from live.graph.moments import Moments
-from live.graph.node_facts import NodeFacts, node_facts
+from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 from tests.remembered import remembered

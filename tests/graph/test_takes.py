@@ -7,7 +7,7 @@ import numpy as np
 
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE, find_takes
-from live.motion.same_step import check_same_structure
+from live.motion.step_clip import check_same_structure
 from tests.made_steps import made_clip, made_steps
 
 

@@ -6,11 +6,10 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.library import adding
-from live.library.adding import Added, add_step
-from live.library.asked import asked_entry, known_of, refuse_again
-from live.library.recording import RecordingError
-from live.library.recording_reader import RecordingReader
+from live.library import add_step as add_step_module
+from live.library.add_step import Added, add_step, asked_entry, known_of, refuse_again
+from live.library.recording_file import RecordingError
+from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
 from tests.motion.formats.made_bvh import body_bvh, danced
 from tests.motion.mocap import mocap_file
@@ -136,7 +135,7 @@ def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: p
     def full(*_: object) -> Path:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(adding, "_described", full)
+    monkeypatch.setattr(add_step_module, "_described", full)
     with pytest.raises(PersonError, match=r"cannot write into the library .*No space left"):
         add(library, take)
     assert list(library.iterdir()) == []
@@ -149,7 +148,7 @@ def test_an_interrupted_change_leaves_the_old_text(tmp_path: Path, take: Path, m
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(adding.os, "fsync", interrupted)
+    monkeypatch.setattr(add_step_module.os, "fsync", interrupted)
     with pytest.raises(KeyboardInterrupt):
         add(library, take, name="other")
     assert (library / "take one.toml").read_text() == before

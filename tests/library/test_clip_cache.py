@@ -5,8 +5,8 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from live.library import clip_cache
-from live.library.clip_cache import ClipCache
+from live.library import disk_cache
+from live.library.disk_cache import ClipCache
 from live.motion.step_clip import StepClip
 from tests.made_steps import made_clip, made_steps
 
@@ -60,7 +60,7 @@ def test_other_sources_other_clips():
 
 def test_other_code_other_clips(monkeypatch):
     CACHE.clips([b"a"], lambda: made_steps()[:1])
-    monkeypatch.setattr(clip_cache, "_code", lambda: b"changed")
+    monkeypatch.setattr(disk_cache, "_code", lambda: b"changed")
     assert len(CACHE.clips([b"a"], lambda: made_steps()[:2])) == 2
 
 

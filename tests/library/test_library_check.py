@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.library.doubts import doubts_about
-from live.library.library_check import Finding, check_connections, check_folder
-from live.library.recording_reader import RecordingReader
-from live.motion.editing.orientation import turn_clip
+from live.library.library_check import Finding, check_connections, check_folder, doubts_about
+from live.library.recordings import RecordingReader
+from live.motion.editing.facing import turn_clip
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
 
 ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\n'

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from live.library.motion_file import MAX_BYTES, read_motion
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
 from tests.motion.formats.made_bvh import body_bvh, danced
 from tests.motion.formats.test_asf_amc import AMC, ASF
 from tests.motion.mocap import mocap_file

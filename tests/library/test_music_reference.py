@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.library.music_reference import song_beats
+from live.library.beat_alignment import song_beats
 from tests.places import SHARED
 
 SONGS = SHARED / "beats" / "open"

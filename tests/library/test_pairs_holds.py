@@ -5,11 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from live.library.pairs import PairsFile
-from live.library.pairs_file import Examples, Recorded
-from live.library.pairs_holds import with_holds
-from live.motion.partner.cloud import ends_cloud
-from live.motion.partner.found_holds import Near
+from live.library.partner_pairs import Examples, PairsFile, Recorded, with_holds
+from live.motion.partner.evaluation import Near
+from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner.units import Example, Hold, cut_units
 from tests.motion.partner.made_examples import standing
 

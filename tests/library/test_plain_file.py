@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.library.plain_file import read_plain
-from live.library.sketch_folder import load_steps
-from live.show.patch.toml_file import read_text
+from live.library.disk_cache import read_plain
+from live.library.step_folder import load_steps
+from live.show.patch.patch_reader import read_text
 
 
 def test_no_more_is_read_than_asked(tmp_path):

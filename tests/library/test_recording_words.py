@@ -5,8 +5,7 @@ import re
 import pytest
 from pydantic import ValidationError
 
-from live.library.recording import Recording
-from live.library.recording_words import expected, problem_words
+from live.library.recording_file import Recording, expected, problem_words
 
 RIGHT = {"file": "a.bvh", "name": "a", "bpm": 120, "first_beat_s": 0}
 WRONG = (None, "", "x" * 2000, 0, -1, 10**12, 1.5, float("nan"), float("inf"), True, [], [1], ["a"] * 100, {}, {"a": 1})

@@ -7,14 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.library import recording_reader, recordings
-from live.library.recording import RecordingError
-from live.library.recording_file import read_recordings
+from live.library import recordings
+from live.library.recording_file import RecordingError, read_recordings
 from live.library.recordings import load_recordings
 from live.motion import quaternion
 from live.motion.mirror import mirror_step, other_side
-from live.motion.step_clip import StepClip
-from live.motion.step_figures import measured_direction, measured_distance
+from live.motion.step_clip import StepClip, measured_direction, measured_distance
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file
 
@@ -255,9 +253,9 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
 
 def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Path] = []
-    read_motion = recording_reader.read_motion
+    read_motion = recordings.read_motion
     monkeypatch.setattr(
-        recording_reader, "read_motion", lambda path, **options: read.append(path) or read_motion(path, **options)
+        recordings, "read_motion", lambda path, **options: read.append(path) or read_motion(path, **options)
     )
     toml = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 0\n' + '[[step]]\nname = "a"\n' * 5
     assert len(load_recordings(folder(tmp_path, toml))) == 5

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.library import sketch_folder
-from live.library.clip_cache import ClipCache
-from live.library.sketch_folder import StepsError, load_steps
+from live.library import step_folder
+from live.library.disk_cache import ClipCache
+from live.library.step_folder import StepsError, load_steps
 from live.show.patch.patch_search_path import PATCHES
 
 SWAY = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
@@ -27,7 +27,7 @@ def folder(tmp_path):
 
 def test_the_cache_gives_the_same_clips_bit_by_bit(folder, monkeypatch):
     first = load_steps(folder)
-    monkeypatch.setattr(sketch_folder, "_build", lambda texts: pytest.fail("built anew although nothing changed"))
+    monkeypatch.setattr(step_folder, "_build", lambda texts: pytest.fail("built anew although nothing changed"))
     again = load_steps(folder)
     assert len(again) == len(first) > 0
     for a, b in zip(first, again, strict=True):
@@ -54,7 +54,7 @@ def test_a_broken_cache_is_no_problem(folder, tmp_path):
 
 
 def test_old_caches_are_removed(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(sketch_folder, "CACHE", ClipCache("steps", kept=2))
+    monkeypatch.setattr(step_folder, "CACHE", ClipCache("steps", kept=2))
     for size in (3, 4, 5, 6):
         (folder / "sway.toml").write_text(SWAY.replace("left 4", f"left {size}"))
         load_steps(folder)

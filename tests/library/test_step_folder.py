@@ -4,11 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from live.library.recording import RecordingError
-from live.library.recording_file import read_step_files
+from live.library.recording_file import RecordingError, read_step_files
 from live.library.recordings import load_recordings
-from live.library.sketch_folder import StepsError
-from live.library.step_folder import load_folder
+from live.library.step_folder import StepsError, load_folder
 from tests.motion.formats.made_bvh import body_bvh, danced
 
 SKETCH = 'name = "bob"\nmirror = false\n[pelvis]\n"1" = "down 4"\n"2" = "up 1"\n'

@@ -10,9 +10,9 @@ from live.graph.motion_graph import build_graph
 from live.graph.random_walk import random_walk
 from live.graph.step_library import build_library
 from live.library.library_check import check_folder
-from live.library.recording import RecordingError
+from live.library.recording_file import RecordingError
 from live.library.recordings import load_recordings
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.motion.formats.made_bvh import body_bvh, danced
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from live.motion.formats.parse import BvhMotion, parse_bvh
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.bvh_reader import BvhMotion, parse_bvh, source_of_bvh
 from live.motion.formats.source_motion import SourceMotion
 from tests.places import SHARED
 

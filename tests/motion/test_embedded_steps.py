@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.motion.quality.feet import skates
+from live.motion.quality.metrics import skates
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import parse_sketch

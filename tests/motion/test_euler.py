@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.euler import euler_to_quaternion
+from live.motion.quaternion import euler_to_quaternion
 
 ORDERS = ["".join(p) for n in (1, 2, 3) for p in permutations("XYZ", n)] + ["ZXZ", "YXY"]
 

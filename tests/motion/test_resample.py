@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from live.motion.clip import Clip
-from live.motion.resample import resample
+from live.motion.clip import Clip, resample
 from live.motion.skeleton import JOINT_COUNT
 
 

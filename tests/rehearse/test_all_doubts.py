@@ -2,11 +2,9 @@
 
 import pytest
 
-from live.rehearse.all_doubts import all_doubts
-from live.rehearse.camera_doubts import camera_doubts
-from live.rehearse.span_doubts import TOLD, span_doubts
+from live.rehearse.lint import TOLD, all_doubts, camera_doubts, span_doubts
 from live.show.patch.call_response_check import answer_doubts
-from live.show.patch.patch_file import parse_patch, read_patch
+from live.show.patch.patch_reader import parse_patch, read_patch
 from tests.show.made_show import PATCH, made_show
 
 SECTIONS = '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 4\n[[section]]\nname = "c"\n'

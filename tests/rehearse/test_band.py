@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.control.events.events import BeatHeard, SourceChanged
-from live.rehearse.band import FASTEST, SLOWEST, FakeBand, Manners
+from live.rehearse.simulated_band import FASTEST, SLOWEST, FakeBand, Manners
 
 CALM = Manners(stop=0.0, fill=0.0, wrong_one=0.0, leap=0.0, drift=0.0)
 

@@ -3,8 +3,8 @@
 import pytest
 
 from live.base.errors import PersonError
-from live.rehearse.edits import BAD, GOOD, Edits
-from live.show.patch.patch_file import read_patch
+from live.rehearse.fault_injection import BAD, GOOD, Edits
+from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
 
 

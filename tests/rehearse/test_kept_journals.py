@@ -3,7 +3,7 @@
 import pytest
 
 from live.rehearse.journal_minimiser import Trial, entries_of, loaded_for
-from live.show.journal.journal_reading import read_journal
+from live.show.journal.journal_reader import read_journal
 from tests.places import ROOT
 
 KEPT = ROOT / "tests" / "journals"

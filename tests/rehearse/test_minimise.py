@@ -9,8 +9,8 @@ from live.control.events.events import Attract, Blackout, ControlEvent
 from live.rehearse.failure import DIFFERENT, Failure
 from live.rehearse.journal_minimiser import Minimiser, Trial, entries_of, minimise, running
 from live.show.journal.journal import line_of
-from live.show.journal.journal_reading import read_journal
-from live.show.load import load_show
+from live.show.journal.journal_reader import read_journal
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 
 MEASURE = 100

@@ -7,11 +7,10 @@ from itertools import islice, pairwise
 import numpy as np
 import pytest
 
-from live.control.osc.osc_decode import decode
-from live.rehearse.band import FakeBand, Manners
-from live.rehearse.band_sound import RATE, sound_of, write_sound
+from live.control.osc.osc_codec import decode
 from live.rehearse.network_sender import CLOCK, START, STOP, Outlet, packet_of, pulses, send_all
-from live.rehearse.players import Call
+from live.rehearse.simulated_band import RATE, FakeBand, Manners, sound_of, write_sound
+from live.rehearse.simulated_players import Call
 
 CALM = Manners(stop=0.0, fill=0.0, wrong_one=0.0, leap=0.0, drift=0.0)
 

@@ -8,12 +8,9 @@ import pytest
 
 from live.base.stage_snapshot import StageView
 from live.control.events.events import TicksSkipped
-from live.rehearse.faults import KINDS, Fault, faults
-from live.rehearse.mishaps import FAULTS
-from live.rehearse.proving import prove
-from live.rehearse.soak import Soak
-from live.rehearse.soak_report import Plan
-from live.rehearse.watching import Watching
+from live.rehearse.fault_injection import FAULTS, KINDS, Fault, faults
+from live.rehearse.invariants import Watching, prove
+from live.rehearse.soak_test import Plan, Soak
 from live.show.patch.patch_search_path import find_patch
 
 

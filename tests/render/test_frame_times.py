@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.render.frame_times import KEPT, PARTS, SHOWN, WAITING, FrameTimes
+from live.render.frame_stats import KEPT, PARTS, SHOWN, WAITING, FrameTimes
 
 USUAL = {"events": 0.2, "simulation": 3.0, "poses": 1.0, "upload": 0.3, "draw": 4.0, "rest": 0.5, "swap": 6.0}
 

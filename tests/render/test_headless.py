@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from live.render.headless import (
+    FrameReader,
     NoOpenGL,
     OffscreenTarget,
     create_headless_context,
     is_software,
     release_headless_context,
 )
-from live.render.readback import FrameReader
 
 SIZE = (61, 34)  # no multiple of four: rows of pixels are not aligned
 

@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from live.render.ladder import BEGIN, PATIENCE, SETTLE, Ladder, ladder_of
-from live.render.quality import CARD, SOFTWARE
+from live.render.adaptive_quality import BEGIN, CARD, PATIENCE, SETTLE, SOFTWARE, Ladder, ladder_of
 
 PERIOD = 1.0 / 60.0
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.camera import pixel_of
-from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene, standing
 

@@ -3,8 +3,7 @@
 import numpy as np
 from PIL import ImageFont
 
-from live.render.lettering import letter
-from live.render.typeface import readable
+from live.render.lettering import letter, readable
 
 
 def test_every_letter_but_the_space_leaves_ink_within_its_own_cell() -> None:

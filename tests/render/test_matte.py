@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.base.stage_snapshot import Background
+from live.render.adaptive_quality import CARD
 from live.render.headless import OffscreenTarget
-from live.render.quality import CARD
 from live.render.renderer import Renderer
 from tests.render.test_passes import SCENE, three
 

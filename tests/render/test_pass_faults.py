@@ -5,11 +5,11 @@ from typing import Any
 import moderngl
 import pytest
 
+from live.render.adaptive_quality import CARD
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.bloom_pass import BloomPass
-from live.render.passes.mirror_pass import MirrorPass
+from live.render.passes.floor_pass import MirrorPass
 from live.render.passes.overlay_pass import OverlayPass
-from live.render.quality import CARD
 from live.render.renderer import Renderer
 from live.render.uniforms import FrameBlock
 from tests.render.poses import ARMS_DOWN, stage_view

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.base.stage_snapshot import PASSES, Camera
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.camera import pixel_of
-from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view
 from tests.render.test_renderer import read, scene

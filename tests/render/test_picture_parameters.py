@@ -6,9 +6,9 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.picture import BY_ADDRESS, CAMERA, COLOURS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, CAMERA, COLOURS, picture_of
 from live.base.stage_snapshot import Camera, Look, Scene
-from live.render.quality import CARD, SOFTWARE
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene
 

@@ -10,8 +10,8 @@ import pytest
 
 from live.base.stage_snapshot import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.adaptive_quality import CARD, SOFTWARE, Quality, choose, is_software
 from live.render.camera import pixel_of
-from live.render.quality import CARD, SOFTWARE, Quality, choose, is_software
 from live.render.renderer import Renderer
 from tests.render.poses import ARABESQUE, ARMS_DOWN, LUNGE, PLIE, REACH, STEP, stage_view
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 import pytest
 from rich.console import Console
 
-from live.app.shader_watch import ShaderWatch, begin_with
+from live.app.adaptive_quality import ShaderWatch, begin_with
 from live.base.errors import PersonError
-from live.render.quality import SOFTWARE
+from live.render.adaptive_quality import SOFTWARE
 from live.render.renderer import Renderer
 from live.render.shader import _problem, names, own_text, read_from, source
 from tests.render.test_renderer import read, scene, standing

@@ -5,8 +5,7 @@ import itertools
 import pytest
 
 from live.base.errors import PersonError
-from live.render.background_file import check_background, open_video
-from live.render.video import Video
+from live.render.media_background import Video, check_background, open_video
 from tests.control.waiting import wait_for
 from tests.render.media import FRAMES, RATE, grey_of, write_image, write_video
 
@@ -60,7 +59,7 @@ class Damaged:
 
 
 def test_a_video_that_is_damaged_keeps_its_last_picture_and_says_why(film, monkeypatch):
-    monkeypatch.setattr("live.render.video.open_video", lambda path: Damaged(open_video(path)))
+    monkeypatch.setattr("live.render.media_background.open_video", lambda path: Damaged(open_video(path)))
     video, got = Video(film), []
     assert wait_for(lambda: (got.append(video.at(0.45)), video.problem == "damaged")[1], 5.0)
     last = [seen(picture) for picture in [*got, video.at(0.45)] if picture is not None][-1]
@@ -84,6 +83,6 @@ def test_files_that_cannot_be_shown_are_named(tmp_path, name, content, words):
 
 
 def test_an_image_of_a_giant_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.render.background_file.MOST_PIXELS", 1000)
+    monkeypatch.setattr("live.render.media_background.MOST_PIXELS", 1000)
     with pytest.raises(PersonError, match="64 x 36 pixels"):
         check_background(write_image(tmp_path / "big.png"))

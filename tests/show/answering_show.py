@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.show.core import Show
 from live.show.partner.partner_sources import AnswerBank, answer_bank
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from tests.show.made_show import GRAPH, PATCH
 
 FILE = Path("test.toml")

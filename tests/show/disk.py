@@ -1,7 +1,7 @@
 """A disk that keeps up: a show that runs faster than life waits for it now and then, as no show on a stage has to."""
 
 from live.show.journal.journal import JournalWriter
-from live.show.journal.journal_file import JournalFile
+from live.show.journal.journal_writer import JournalFile
 from tests.control.waiting import wait_for
 
 

@@ -3,14 +3,14 @@
 import shutil
 from pathlib import Path
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from live.control.events.event import ControlEvent
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import PATCHES
-from live.show.selection.library_watch import LibraryWatch
+from live.show.selection.graph_update import LibraryWatch
 from live.show.status import Status
 from tests.show.disk import settled
 

@@ -10,15 +10,15 @@ import pytest
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion
-from live.motion.partner import sketched
-from live.motion.pose.arms_kernels import PALM
+from live.motion.partner import sketched_examples
 from live.motion.pose.hand_hold import ARM_JOINTS
+from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.show.core import Show
 from live.show.partner.partner_sources import AnswerBank, answer_bank
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from tests.made_steps import made_steps
 from tests.show.made_show import PATCH
 
@@ -63,7 +63,7 @@ def held_patch(extra: str = HELD) -> Patch:
 def held_bank(extra: str = HELD, apart: float = 0.75) -> AnswerBank | None:
     """What its partners answer from, followers `apart` [m] from their leaders."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(sketched, "APART", apart)
+        patched.setattr(sketched_examples, "APART", apart)
         return answer_bank(held_patch(extra), Path("test.toml"), graph_of().library)
 
 

@@ -2,8 +2,8 @@
 
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.show.core import Show
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from tests.made_steps import made_steps
 
 PATCH = """

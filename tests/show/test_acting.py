@@ -4,15 +4,14 @@ import json
 
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.event import ControlEvent
-from live.show.core import Show
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
-from live.show.journal.replay import run_from
-from live.show.journal.replay_start import first_start
+from live.show.journal.replay import first_start, run_from
+from live.show.show import Show
 from live.show.status import Status
 from live.supervisor.recovery import Recovery
 from live.supervisor.state_follower import Following

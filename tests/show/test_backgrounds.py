@@ -3,8 +3,8 @@
 import pytest
 
 from live.base.errors import PersonError
-from live.base.picture import BY_ADDRESS
-from live.show.load import load_show
+from live.base.picture_parameters import BY_ADDRESS
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.render.media import write_image
 from tests.show.desk_show import DESK, Hands

@@ -7,8 +7,8 @@ from live.base.stage_snapshot import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.skeleton import SKELETON
-from live.show.core import Show
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from tests.show.made_show import GRAPH, made_show
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
-from live.show.exchange import exchange
-from live.show.load import LoadedShow
+from live.show.assembly import exchange
+from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshots, restore
 from tests.places import ROOT
 from tests.show.desk_show import DESK, Hands

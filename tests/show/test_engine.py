@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from live.base.event_queue import Inbox
 from live.base.fault_isolation import Bulkhead, PartFaults
-from live.base.inbox import Inbox
 from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock

@@ -6,8 +6,8 @@ import pytest
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import DIRECTIONS
 from live.show.journal.motion_report import FrameReport
-from live.show.load import load_show, show_of
-from live.show.patch.patch_file import read_patch
+from live.show.loader import load_show, show_of
+from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
 
 EXPERIMENTS = ("samba", "tap", "contemporary", "ballet")

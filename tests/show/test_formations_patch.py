@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 
 STANDING = {4: "letters", 12: "star", 20: "spiral", 25: "scattered", 31: "halves"}

@@ -7,11 +7,11 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.motion.quality.feet import slides
-from live.show.core import Show
-from live.show.load import show_of
-from live.show.patch.patch_file import parse_patch
+from live.motion.quality.metrics import slides
+from live.show.loader import show_of
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
+from live.show.show import Show
 
 PATCH = """
 name = "hostile"

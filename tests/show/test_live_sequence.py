@@ -6,8 +6,8 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.show.core import Show
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from tests.made_steps import made_clip
 from tests.show.made_show import made_show
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.show import load
-from live.show.load import load_show, show_of
-from live.show.patch.patch_file import parse_patch
+from live.show import loader
+from live.show.loader import load_show, show_of
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.made_steps import made_clip, made_steps
 from tests.show.made_show import PATCH
@@ -18,7 +18,7 @@ HERE = Path("show.toml")
 
 
 def loaded(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
-    monkeypatch.setattr(load, "load_folder", lambda folder: clips)
+    monkeypatch.setattr(loader, "load_folder", lambda folder: clips)
     return show_of(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
 
 

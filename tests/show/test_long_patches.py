@@ -7,9 +7,9 @@ import weakref
 import pytest
 from pydantic import ValidationError
 
-from live.show.long_patches import AT_A_TIME, freed, validated, written_text
+from live.show.background_work import AT_A_TIME, freed, validated, written_text
 from live.show.patch.patch import Patch
-from live.show.patch.toml_sources import TomlSources, parse_text
+from live.show.patch.patch_reader import TomlSources, parse_text
 from tests.show.made_show import PATCH
 
 ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'

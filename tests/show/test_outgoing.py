@@ -6,7 +6,7 @@ import pytest
 from live.clock.ticks import TICK
 from live.motion.skeleton import SKELETON
 from live.show.dancers.footfalls import Footfalls
-from live.show.outgoing import Outgoing
+from live.show.telemetry import Outgoing
 from tests.show.made_show import made_show
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.show.pieces import MORE, Pieces
+from live.show.background_work import MORE, Pieces
 
 
 def test_all_is_done_in_order_and_evenly():

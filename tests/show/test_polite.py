@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from live.show.polite import LETS_IN_S, polite
+from live.show.background_work import LETS_IN_S, polite
 
 
 def test_others_are_let_in_soon_until_the_last_one_is_done():

@@ -3,11 +3,10 @@
 import pytest
 
 from live.control.registry.control import Control
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
-from live.control.registry.values import READABLE, Values
-from live.show.readable import Readable
 from live.show.status import Status
+from live.show.telemetry import Readable
 from tests.show.desk_show import DESK, Hands
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",

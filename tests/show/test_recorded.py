@@ -1,7 +1,7 @@
 """Recorded: a patch that is danced with recordings has their metre and all their steps; edits of it stay so."""
 
-from live.show.patch.patch_file import parse_patch
-from live.show.recorded import for_recordings, patch_for, with_steps_of
+from live.show.loader import for_recordings, patch_for, with_steps_of
+from live.show.patch.patch_reader import parse_patch
 from tests.made_steps import made_steps
 from tests.show.made_show import GRAPH, PATCH
 

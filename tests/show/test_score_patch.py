@@ -5,7 +5,7 @@ from itertools import groupby
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import MusicHeard
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 
 

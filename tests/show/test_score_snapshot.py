@@ -6,8 +6,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import restore
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.test_snapshot import run, taken_at

@@ -21,9 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Brief, Lifeline, nobody_left
+from live.supervisor.journal_relay import RelaySink
 from live.supervisor.prefork import wait_to_be_born
-from live.supervisor.relay import RelaySink
+from live.supervisor.supervisor_link import Brief, Lifeline, nobody_left
 
 
 def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, Any]) -> int:

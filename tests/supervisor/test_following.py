@@ -8,13 +8,13 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
-from live.show.core import Show
 from live.show.journal.journal import line_of
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from live.show.state.snapshot import snapshot
-from live.supervisor.log import Log
 from live.supervisor.recovery import Recovery
+from live.supervisor.recovery_log import Log
 from live.supervisor.state_follower import Following
 from tests.show.made_show import GRAPH, PATCH
 

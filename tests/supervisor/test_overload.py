@@ -16,10 +16,9 @@ import psutil
 import pytest
 
 from live.clock.time_source import ManualClock
-from live.supervisor.procfs import zombies
-from live.supervisor.reaper import GRACE, Reaper
+from live.supervisor.process import Side
+from live.supervisor.process_stats import GRACE, Reaper, zombies
 from live.supervisor.restart_policy import CEILING, HANGS_AFTER
-from live.supervisor.side import Side
 from tests.control.waiting import wait_for
 from tests.supervisor.test_supervisor import ENGINE, numbers, supervised
 

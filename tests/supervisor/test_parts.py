@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.show.pressure import FULL, HALFLIFE, Pressure
-from live.supervisor.deaths import Deaths
+from live.show.status import FULL, HALFLIFE, Pressure
+from live.supervisor.engine_deaths import Deaths
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.log import Log
+from live.supervisor.line_channel import Wire, WireBroken
+from live.supervisor.recovery_log import Log
 from live.supervisor.restart_policy import SETTLED, Backoff, RestartLimit
-from live.supervisor.wire import Wire, WireBroken
 from tests.control.waiting import wait_for
 
 
@@ -122,7 +122,7 @@ def test_last_words_are_read_though_the_peer_goes_on_sending():
 
 
 def test_a_line_without_end_is_no_protocol(monkeypatch):
-    monkeypatch.setattr("live.supervisor.wire.LONGEST", 100)
+    monkeypatch.setattr("live.supervisor.line_channel.LONGEST", 100)
     here, there = _wires()
     here._put(b"y" * 200)
     with pytest.raises(WireBroken):

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from live.agents.evolutions.running_plan import Plan
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
@@ -18,29 +18,29 @@ from live.control.events.events import Attract, BreakerTripped, ControlEvent, Re
 from live.show.audience.audience import Audience
 from live.show.capture.capture_manager import Mocap
 from live.show.circuit_breakers import NAMES, Stage
-from live.show.core import Show
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction_control import Carrying
 from live.show.dancers.variation import Variation
-from live.show.desk.desk import Desk
+from live.show.desk.light_desk import Desk
 from live.show.engine import Engine
 from live.show.group.group_motion import GroupMotion
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import replay
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
 from live.show.measure_span import MeasureSpan
-from live.show.patch.patch_file import parse_patch
-from live.show.patch.reloading import Reloading
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_update import Reloading
 from live.show.score.beat_scheduler import Agenda
-from live.show.score.reactions import Reactions
+from live.show.score.music_reactions import Reactions
 from live.show.score.score_runner import Prompter
 from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
+from live.show.show import Show
 from live.show.state.snapshot import Taken
 from live.show.status import Status
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.log import Log
 from live.supervisor.recovery import Death, Recovery
+from live.supervisor.recovery_log import Log
 from live.supervisor.state_follower import Following
 from tests.show.made_show import GRAPH, PATCH
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
+from live.supervisor.process import Starter
 from live.supervisor.restart_policy import RestartLimit
-from live.supervisor.starter import Starter
 from live.supervisor.supervisor import Supervisor
 from live.supervisor.supervisor_config import Orders
 
@@ -160,7 +160,7 @@ def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_
 
 def test_the_supervisor_needs_no_array_no_window_and_no_device():
     heavy = ("numpy", "numba", "glfw", "moderngl", "sounddevice", "pydantic", "av", "rtmidi")
-    code = f"import sys, live.app.processes.supervised; print([name for name in {heavy!r} if name in sys.modules])"
+    code = f"import sys, live.app.processes.engine_main; print([name for name in {heavy!r} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 

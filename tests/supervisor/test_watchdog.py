@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.clock.time_source import ManualClock
-from live.supervisor.procfs import machine, usage_of
+from live.supervisor.process import ROUND
+from live.supervisor.process_stats import machine, usage_of
 from live.supervisor.restart_policy import CEILING, HANGS_AFTER
-from live.supervisor.starter import ROUND
 from live.supervisor.watchdog import FELT, SLOWEST, MachineLoad, MachineReading, Usage, Verdict, Watchdog, overload
 
 BLIND = Usage("S", 0.0, None)

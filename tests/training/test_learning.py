@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.tracking.bands import BAND_COUNT, HOP
-from live.clock.tracking.hearing import DELAY
-from live.clock.tracking.network import Network, Weights
-from live.clock.tracking.spectrum import Spectrum
+from live.clock.tracking.beat_network import DELAY, Network, Weights
+from live.clock.tracking.features import BAND_COUNT, HOP, Spectrum
 from tests.clock.clicks import groove
 from training.examples import Stream
 from training.features import LOG_FLOOR, Item, bands_of

@@ -5,8 +5,8 @@ import numpy.typing as npt
 
 from live.agents.agent_command import Wants
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
 from live.agents.crowd.obstacles import Surroundings
+from live.agents.crowd.step_kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
 
 
 class Advance:

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.blocks_kernels import (
+from live.agents.crowd.contact_kernels import CONTACT_MARGIN, note_pairs
+from live.agents.crowd.spatial_grid_kernels import (
     ALIGNMENT,
     ASKED,
     AVOID_X,
@@ -26,23 +27,28 @@ from live.agents.crowd.blocks_kernels import (
     COHESION,
     FLOCK_X,
     FLOCK_Z,
+    GIVE,
     LANE,
     LANES,
     LATEST,
+    NEIGHBOUR_RANGE,
     PER_SEPARATION2,
     PUSH_X,
     PUSH_Z,
+    RADIUS,
     SUM_ROWS,
     SUMS,
+    VX,
+    VZ,
     WEIGHT,
+    X,
+    Z,
     all_sleep,
     copy_lanes,
     fill_block,
     find_near,
     leave_asleep,
 )
-from live.agents.crowd.cells_kernels import GIVE, NEIGHBOUR_RANGE, RADIUS, VX, VZ, X, Z
-from live.agents.crowd.contacts_kernels import CONTACT_MARGIN, note_pairs
 from live.base.jit import kernel, part
 
 Float32 = npt.NDArray[np.float32]

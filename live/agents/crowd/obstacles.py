@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.bounds_kernels import CAPACITY
+from live.agents.crowd.contact_kernels import CAPACITY
 
 Float32 = npt.NDArray[np.float32]
 

@@ -5,8 +5,19 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.blocks_kernels import AVOID_X, AVOID_Z
-from live.agents.crowd.cells_kernels import COLUMNS_ROUND, GIVE, NEIGHBOUR_RANGE, RADIUS, ROWS_ROUND, VX, VZ, X, Z
+from live.agents.crowd.spatial_grid_kernels import (
+    AVOID_X,
+    AVOID_Z,
+    COLUMNS_ROUND,
+    GIVE,
+    NEIGHBOUR_RANGE,
+    RADIUS,
+    ROWS_ROUND,
+    VX,
+    VZ,
+    X,
+    Z,
+)
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]

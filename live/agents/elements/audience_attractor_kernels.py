@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.elements.element_kinds import VOICE
-from live.agents.elements.table_kernels import (
+from live.agents.elements.element_table_kernels import (
     HEARD,
     LEVEL,
     PLACE_COUNT,

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE
 from live.agents.elements.element_kinds import CROSSING
-from live.agents.elements.table_kernels import (
+from live.agents.elements.element_table_kernels import (
     HEARD,
     LEVEL,
     ROWS,

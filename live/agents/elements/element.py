@@ -23,7 +23,7 @@ from live.agents.elements.element_kinds import (
     UNIFORM,
     VOICE,
 )
-from live.agents.elements.table_kernels import faded_in
+from live.agents.elements.element_table_kernels import faded_in
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0

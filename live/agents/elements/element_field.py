@@ -11,12 +11,7 @@ from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, claim
 from live.agents.elements.element import Element
 from live.agents.elements.element_kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, VOICE
 from live.agents.elements.element_table import ElementTable, Float32, Float64, UInt64
-from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
-from live.agents.elements.procedural_kernels import wish_of_all
-from live.agents.elements.shape_kernels import NEAR_COLUMNS
-from live.agents.elements.showing_kernels import show_elements
-from live.agents.elements.spread_kernels import CELLS, MESH, fill_cosines
-from live.agents.elements.table_kernels import (
+from live.agents.elements.element_table_kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
     LEVEL,
@@ -26,7 +21,12 @@ from live.agents.elements.table_kernels import (
     SUM_COLUMNS,
     SWITCHED,
     TIME,
+    show_elements,
 )
+from live.agents.elements.field_kernels import wish_of_all
+from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
+from live.agents.elements.shape_kernels import NEAR_COLUMNS
+from live.agents.elements.spread_kernels import CELLS, MESH, fill_cosines
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.elements import table_kernels as column
+from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
 from live.agents.elements.element_kinds import CROSSING, DRAWN, FLOCK, FLOW, GRID, KIND_COUNT, VERTEX_COUNT
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, corners_of, grid_along
@@ -28,7 +28,7 @@ class ElementTable:
         """`capacity` elements at most; half sizes of the stage [m]; the usual `separation` [m]."""
         self.elements: list[Element] = []
         # twice the room, over which the window of the rows slides: so the oldest gives way without moving the others
-        self._all_rows: Float64 = np.zeros((2 * capacity, column.COLUMNS))
+        self._all_rows: Float64 = np.zeros((2 * capacity, element_table_kernels.COLUMNS))
         self._all_masks: UInt64 = np.zeros(2 * capacity, np.uint64)
         self._all_vertices: Float32 = np.zeros((2 * capacity, VERTEX_COUNT, 2), np.float32)
         self._first = 0
@@ -52,7 +52,7 @@ class ElementTable:
 
     def number_again(self) -> None:
         """Find elements by those that there are now: those that were read back are others."""
-        serials = self.rows[: len(self.elements), column.SERIAL]
+        serials = self.rows[: len(self.elements), element_table_kernels.SERIAL]
         self._serials = {id(each): int(serial) for each, serial in zip(self.elements, serials, strict=True)}
 
     def row_of(self, element: Element) -> int | None:
@@ -60,14 +60,16 @@ class ElementTable:
         serial = self._serials.get(id(element))
         if serial is None:
             return None
-        return int(np.searchsorted(self.rows[: len(self.elements), column.SERIAL], serial))  # rows keep their order
+        return int(
+            np.searchsorted(self.rows[: len(self.elements), element_table_kernels.SERIAL], serial)
+        )  # rows keep their order
 
     def resize(self, half_width: float, half_depth: float) -> None:
         """The stage's half sizes [m] are these from now on: drawn flows are laid over it anew."""
         self._half = (half_width, half_depth)
         for row, element in enumerate(self.elements):
-            if element.kind == FLOW and element.flow == DRAWN and self.rows[row, column.SLOT] >= 0.0:
-                self.grids[int(self.rows[row, column.SLOT])] = grid_along(element.points, *self._half)
+            if element.kind == FLOW and element.flow == DRAWN and self.rows[row, element_table_kernels.SLOT] >= 0.0:
+                self.grids[int(self.rows[row, element_table_kernels.SLOT])] = grid_along(element.points, *self._half)
 
     def __len__(self) -> int:
         return len(self.elements)
@@ -87,8 +89,8 @@ class ElementTable:
         self._serial += 1
         self._serials[id(element)] = self._serial
         self._fair += element.fair
-        self.rows[row, column.SERIAL] = self._serial
-        self.rows[row, column.SLOT] = -1.0
+        self.rows[row, element_table_kernels.SERIAL] = self._serial
+        self.rows[row, element_table_kernels.SLOT] = -1.0
         self._write(row, element)
         if element.kind == FLOW and element.flow in (DRAWN, GRID):
             self._take_slot(row, grid_along(element.points, *self._half) if grid is None else grid)
@@ -110,23 +112,23 @@ class ElementTable:
         usual = CROSSING_SEPARATION if element.kind == CROSSING else self._separation
         flock = element.kind == FLOCK
         values = {
-            column.START: element.start_beat,
-            column.END: element.end_beat,
-            column.KIND: element.table_kind,
-            column.STRENGTH: element.strength,
-            column.CORNERS: len(corners),
-            column.CLOSED: element.closed and len(corners) > 2,
-            column.RADIUS: element.radius,
-            column.DECAY: element.decay_length,
-            column.SEPARATION: usual if element.separation is None else element.separation,
-            column.ALIGNMENT: element.alignment if flock else 0.0,
-            column.COHESION: element.cohesion if flock else 0.0,
-            column.FLOW_KIND: element.flow,
-            column.TARGET: element.target,
-            column.TARGET_GROUP: element.target_group,
-            column.WEDGE: element.wedge,
-            column.X: element.x,
-            column.Z: element.z,
+            element_table_kernels.START: element.start_beat,
+            element_table_kernels.END: element.end_beat,
+            element_table_kernels.KIND: element.table_kind,
+            element_table_kernels.STRENGTH: element.strength,
+            element_table_kernels.CORNERS: len(corners),
+            element_table_kernels.CLOSED: element.closed and len(corners) > 2,
+            element_table_kernels.RADIUS: element.radius,
+            element_table_kernels.DECAY: element.decay_length,
+            element_table_kernels.SEPARATION: usual if element.separation is None else element.separation,
+            element_table_kernels.ALIGNMENT: element.alignment if flock else 0.0,
+            element_table_kernels.COHESION: element.cohesion if flock else 0.0,
+            element_table_kernels.FLOW_KIND: element.flow,
+            element_table_kernels.TARGET: element.target,
+            element_table_kernels.TARGET_GROUP: element.target_group,
+            element_table_kernels.WEDGE: element.wedge,
+            element_table_kernels.X: element.x,
+            element_table_kernels.Z: element.z,
         }
         own = self.rows[row]
         for place, value in values.items():
@@ -134,21 +136,24 @@ class ElementTable:
         self.masks[row] = element.groups
 
     def _take_slot(self, row: int, grid: Float32) -> None:
-        slot = int(self.rows[row, column.SLOT])
-        serial = int(self.rows[row, column.SERIAL])
+        slot = int(self.rows[row, element_table_kernels.SLOT])
+        serial = int(self.rows[row, element_table_kernels.SERIAL])
         if slot < 0 or self._slot_use[slot] != serial:
             slot = min(range(SLOTS), key=self._slot_use.__getitem__)
         for other in range(len(self.elements)):
-            if other != row and self.rows[other, column.SLOT] == slot:  # its flow has given way
-                self.rows[other, column.STRENGTH], self.rows[other, column.SLOT] = 0.0, -1.0
+            if other != row and self.rows[other, element_table_kernels.SLOT] == slot:  # its flow has given way
+                self.rows[other, element_table_kernels.STRENGTH], self.rows[other, element_table_kernels.SLOT] = (
+                    0.0,
+                    -1.0,
+                )
         self._slot_use[slot] = serial
-        self.rows[row, column.SLOT] = slot
+        self.rows[row, element_table_kernels.SLOT] = slot
         self.grids[slot] = grid
 
     def remove(self, row: int) -> None:
         """Take one row out; those after it move up."""
-        if self.rows[row, column.SLOT] >= 0.0:
-            self._slot_use[int(self.rows[row, column.SLOT])] = 0
+        if self.rows[row, element_table_kernels.SLOT] >= 0.0:
+            self._slot_use[int(self.rows[row, element_table_kernels.SLOT])] = 0
         last = len(self.elements)
         self._fair -= self.elements[row].fair
         del self._serials[id(self.elements[row])]
@@ -165,15 +170,15 @@ class ElementTable:
 
     def refresh(self, beat: float) -> None:
         """Set levels and the list of who acts at `beat`; rows that have ended go."""
-        if column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active):
+        if element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active):
             for row in reversed(range(len(self.elements))):
                 if self.elements[row].end_beat <= beat:
                     self.remove(row)
-            column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
+            element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
     def foresee(self, beat: float) -> None:
         """Set levels and the list of who acts as they will be at `beat`; all rows stay, until the next `refresh`."""
-        column.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
+        element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
     @property
     def acting(self) -> Int32:

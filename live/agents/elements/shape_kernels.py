@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.elements.table_kernels import (
+from live.agents.elements.element_table_kernels import (
     CLOSED,
     CORNERS,
     DECAY,

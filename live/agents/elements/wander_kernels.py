@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE, SPEED
 from live.agents.elements.element_kinds import FLOCK, PATH, SPREADER, WANDER
-from live.agents.elements.spread_kernels import spread
-from live.agents.elements.table_kernels import (
+from live.agents.elements.element_table_kernels import (
     CLOSED,
     CORNERS,
     HALF_DEPTH,
@@ -24,6 +23,7 @@ from live.agents.elements.table_kernels import (
     newest,
     take,
 )
+from live.agents.elements.spread_kernels import spread
 from live.agents.steering_kernels import follow_path, wander
 from live.base.jit import kernel
 

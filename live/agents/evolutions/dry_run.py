@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.clearance import TOLERANCE
-from live.agents.evolutions.evolutions_kernels import nearest_approach
-from live.agents.evolutions.intention import Repertoire
+from live.agents.evolutions.collision_check import TOLERANCE
+from live.agents.evolutions.evolution_kernels import nearest_approach
+from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.running_plan import Plan
-from live.agents.evolutions.segment import Segment
 from live.agents.evolutions.timeline import Link, Span, linked
 from live.agents.evolutions.trajectory import Float32, Float64
 from live.agents.groups.roster import Roster

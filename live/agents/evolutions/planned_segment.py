@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.intention import Intention, Procedural, Repertoire
-from live.agents.evolutions.pieces import Pieces
-from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.incremental_assignment import Pieces
+from live.agents.evolutions.intention import Intention, Procedural, Repertoire, Segment
 from live.agents.evolutions.segment_start import Departure, Draft, Journey
 from live.agents.evolutions.trajectory import Float32, Setting
 from live.agents.evolutions.trajectory_builder import travelling

@@ -12,14 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import Wants
-from live.agents.evolutions.evolutions_kernels import track
-from live.agents.evolutions.intention import Repertoire
+from live.agents.evolutions.evolution_kernels import track
+from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.planned_segment import Motion
-from live.agents.evolutions.segment import Segment
 from live.agents.evolutions.segment_start import Departure
 from live.agents.evolutions.trajectory import Float32, Setting
+from live.agents.groups.group_expression import selection
 from live.agents.groups.roster import Mask, Roster
-from live.agents.groups.selection import selection
 
 
 class Standing(Protocol):

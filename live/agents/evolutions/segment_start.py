@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.clearance import Approach
+from live.agents.evolutions.collision_check import Approach
 from live.agents.evolutions.trajectory import Float64, Locomotion
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.evolutions_kernels import places_at
+from live.agents.evolutions.evolution_kernels import places_at
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -5,7 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions import orientation, paths
+from live.agents.evolutions import paths
+from live.agents.evolutions.collision_check import Mended, mending
+from live.agents.evolutions.facing import Facing, Orientation, final_direction, linear, turn_beats, turned
+from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.intention import (
     Evolve,
     Follow,
@@ -13,19 +16,15 @@ from live.agents.evolutions.intention import (
     Hold,
     Intention,
     Repertoire,
+    Segment,
     Trajectory,
     Way,
 )  # fmt: skip
-from live.agents.evolutions.mend import Mended, mending
-from live.agents.evolutions.orientation import Facing, Orientation
-from live.agents.evolutions.pieces import Pieces
-from live.agents.evolutions.seating import seated
-from live.agents.evolutions.segment import Segment
 from live.agents.evolutions.segment_start import Departure, Draft, Journey
+from live.agents.evolutions.slot_layout import seated
 from live.agents.evolutions.start_delays import Arrive, delays, squeezed, times
 from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
-from live.agents.evolutions.turns import turn_beats, turned
-from live.agents.groups.relations import mirrored, mirrored_heading
+from live.agents.groups.roster import mirrored, mirrored_heading
 
 CHECKED = 300
 """Groups larger than this are not checked for clearance: what they need is left to steering."""
@@ -50,7 +49,7 @@ def travelling(
 def _pause(departure: Departure) -> Journey:
     count = len(departure.numbers)
     stays = times(departure.begin, departure.end, np.zeros(count))
-    turns = orientation.linear(stays, departure.heading, departure.heading)
+    turns = linear(stays, departure.heading, departure.heading)
     ways = paths.straight(departure.position, departure.position)
     return Journey(Locomotion(ways, stays, turns), np.full(count, -1, np.int32))
 
@@ -91,7 +90,7 @@ def _trajectory(
     facing = trajectory.orientation
     after = departure.heading
     if facing.facing in (Facing.TANGENT, Facing.MEASURES):
-        after = orientation.final_direction(ways, departure.heading)
+        after = final_direction(ways, departure.heading)
     timing = _timing(segment, ways, trajectory.soft, facing, departure, closing=False)
     draft.journey = turned(timing.journey(), facing, departure, after, closing=False)
     yield
@@ -122,7 +121,7 @@ def _timing(
     begin, end = begin + turn, end - (turn if closing else 0.0)
     waits = squeezed(delays(segment.ripple, departure.position, departure.numbers, seed=departure.seed), end - begin)
     own = times(begin, end, waits, segment.ripple.arrive)
-    still = orientation.linear(own, departure.heading, departure.heading)
+    still = linear(own, departure.heading, departure.heading)
     return _Timing(Locomotion(ways, own, still, soft), waits, begin, end)
 
 

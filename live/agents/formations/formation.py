@@ -9,15 +9,19 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from live.agents.formations.casting import (
+    headings,
+    make_room,
+    section_sizes,
+    sections_along,
+    sections_in_area,
+    soloist_places,
+)
 from live.agents.formations.drawing import Drawing, drawing_of
-from live.agents.formations.first_shapes import staggered_rows
-from live.agents.formations.headings import headings
-from live.agents.formations.inside import Ground, count_by_spacing, ground_of, place_inside
-from live.agents.formations.on_lines import place_on_lines
-from live.agents.formations.sections import section_sizes, sections_along, sections_in_area
-from live.agents.formations.soloists import make_room, soloist_places
-from live.agents.formations.spec import FormationSpec
-from live.agents.formations.spec_checks import MOST_DANCERS
+from live.agents.formations.formation_spec import MOST_DANCERS, FormationSpec
+from live.agents.formations.line_placement import place_on_lines
+from live.agents.formations.region_placement import Ground, count_by_spacing, ground_of, place_inside
+from live.agents.formations.shapes import staggered_rows
 from live.agents.formations.symmetry import SymmetryLine, half_drawing, symmetry_line
 
 Float64 = npt.NDArray[np.float64]

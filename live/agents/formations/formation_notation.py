@@ -2,9 +2,7 @@
 
 from typing import Any, Final
 
-from live.agents.formations.spec import FormationSpec
-from live.agents.formations.spec_checks import INSIDE_PATTERNS, SHAPES
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import INSIDE_PATTERNS, SHAPES, FormationSpec, spec_from_table
 from live.base.errors import PersonError
 
 _POLYGONS: Final = {"triangle": 3, "pentagon": 5, "hexagon": 6, "octagon": 8}

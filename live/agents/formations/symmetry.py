@@ -8,10 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.curve import FREE, HALF, MEETS, Curve, curve_of
-from live.agents.formations.drawing import Drawing, met
-from live.agents.formations.spec import FormationSpec
-from live.agents.formations.spec_checks import FARTHEST
+from live.agents.formations.drawing import FREE, HALF, MEETS, Curve, Drawing, curve_of, met
+from live.agents.formations.formation_spec import FARTHEST, FormationSpec
 
 Float64 = npt.NDArray[np.float64]
 

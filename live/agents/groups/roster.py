@@ -1,5 +1,9 @@
-"""Roster: the dancers, what each of them is, and the groups that have a name (T104)."""
+"""Roster: the dancers, what each of them is, and the groups that have a name (T104).
 
+Relations between groups: the same motion mirrored about a line, or some beats later (T092, T104, T147).
+"""
+
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -47,3 +51,65 @@ class Roster:
     def having(self, word: str) -> Mask:
         """Who has this attribute, shape (A,)."""
         return np.array([word in words for words in self.attributes], np.bool_)
+
+
+Float64 = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line on the floor through (x, z) [m]; `heading` [rad] is where it points, 0 as everywhere the audience.
+
+    The middle line of the stage, which mirrors left and right, is ``Line()``.
+    """
+
+    x: float = 0.0
+    z: float = 0.0
+    heading: float = 0.0
+
+    @staticmethod
+    def through(first: tuple[float, float], second: tuple[float, float]) -> "Line":
+        """The line through two points [m] that are not one."""
+        dx, dz = second[0] - first[0], second[1] - first[1]
+        if math.hypot(dx, dz) < 1e-9:
+            raise ValueError("a line needs two different points")
+        return Line(first[0], first[1], math.atan2(dx, dz))
+
+
+def mirrored(places: npt.ArrayLike, line: Line) -> Float64:
+    """Places (..., 2) [m] reflected in `line`."""
+    points = np.asarray(places, np.float64)
+    along = np.array([math.sin(line.heading), math.cos(line.heading)])
+    offset = points - np.array([line.x, line.z])
+    return np.asarray(2.0 * (offset @ along)[..., None] * along - offset + np.array([line.x, line.z]))
+
+
+def mirrored_heading(headings: npt.ArrayLike, line: Line) -> Float64:
+    """Headings (...) [rad] as the mirror shows them."""
+    return np.asarray(2.0 * line.heading - np.asarray(headings, np.float64))
+
+
+def canon(groups: int, beats: float) -> tuple[float, ...]:
+    """Beats by which each of so many groups is later than the first: a canon at `beats`."""
+    return tuple(index * beats for index in range(groups))
+
+
+def partners(places: npt.ArrayLike, line: Line, *, within: float = 0.5) -> Sequence[tuple[int, int]]:
+    """Pairs of dancers (indices) of whom each stands where the mirror shows the other, at most `within` [m] off.
+
+    Nearest pairs first, nobody twice; ties go to the smaller numbers. Who stands on the line has no partner.
+    """
+    points = np.asarray(places, np.float64)
+    distance = np.hypot(*np.moveaxis(points[:, None] - mirrored(points, line)[None, :], -1, 0))
+    distance = np.maximum(distance, distance.T)
+    first, second = np.triu_indices(len(points), 1)
+    order = np.lexsort((second, first, distance[first, second]))
+    free = np.ones(len(points), np.bool_)
+    pairs = []
+    for i, j in zip(first[order], second[order], strict=True):
+        if distance[i, j] > within:
+            break
+        if free[i] and free[j]:
+            free[i] = free[j] = False
+            pairs.append((int(i), int(j)))
+    return pairs

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from live.agents.scenarios.rules import ever_on, through_gap
-from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.scenarios.scenario import Float64, Scenario, ever_on, through_gap
 
 RADIUS: Final = 0.25
 PREFERRED: Final = 1.3

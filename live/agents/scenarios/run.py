@@ -6,8 +6,7 @@ from live.agents.agent_command import Wants
 from live.agents.crowd.agent_state import AgentModel, AgentState, Avoidance, Steering
 from live.agents.crowd.crowd_step import Advance
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.goals.goals import PASS, Goals, WayPoints
-from live.agents.goals.yielding import who_gives_way
+from live.agents.goals.goals import PASS, Goals, WayPoints, who_gives_way
 from live.agents.scenarios.scenario import Float64, Scenario
 
 TICK = 1.0 / 64.0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.bounds_kernels import outside_surroundings
+from live.agents.crowd.contact_kernels import outside_surroundings
 from live.agents.separation.path_separation_kernels import lead_goal, weight_of
 from live.base.jit import kernel
 

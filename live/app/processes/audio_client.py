@@ -16,13 +16,13 @@ from typing import Any, Final
 
 from live.app.processes.resume_state import Resumed
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
-from live.clock.follower.seed import Seed
+from live.base.event_queue import Inbox
+from live.clock.follower.manual_control import Seed
 from live.clock.time_source import SystemClock
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ChooseAudio, ControlEvent, RestartAudio, SetLatency, SourceChanged
-from live.show.core import Show
-from live.show.venue.venue_latency import Latencies
+from live.show.show import Show
+from live.show.venue.venue import Latencies
 
 START_WITHIN: Final = 30.0
 """Seconds that the process may take until it plays or listens: it loads the tracker first."""

@@ -13,11 +13,11 @@ from collections import deque
 from pathlib import Path
 from typing import Any, Final
 
-from live.app.session_sound import analyses
-from live.base.inbox import Inbox
-from live.clock.follower.seed import Seed
+from live.app.session_audio import analyses
+from live.base.event_queue import Inbox
+from live.clock.follower.manual_control import Seed
 from live.clock.time_source import SystemClock
-from live.control.audio.audio_device import AudioInput
+from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.music_file import read_music
 from live.control.audio.music_player import MusicPlayer
@@ -26,7 +26,7 @@ from live.control.events.events import ControlEvent
 from live.supervisor.adoption.audio_adoption import SoundLifeline
 from live.supervisor.cpu_priority import AUDIO_NICE, come_forward
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Lifeline
+from live.supervisor.supervisor_link import Lifeline
 
 ROUND: Final = 0.2
 LARGEST: Final = 1 << 16

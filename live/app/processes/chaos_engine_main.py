@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from live.app.processes import engine_process
+from live.app.processes import engine_main
 
 
 def main() -> None:
@@ -11,7 +11,7 @@ def main() -> None:
     from live.rehearse.chaos.injection import install_in_engine
 
     install_in_engine(Path(sys.argv.pop(1)))
-    engine_process.main()
+    engine_main.main()
 
 
 if __name__ == "__main__":

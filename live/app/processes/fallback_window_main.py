@@ -4,10 +4,9 @@ import signal
 import sys
 
 from live.render.window.fallback_window import GuardWindow, NoGuard
-from live.render.window.monitor_places import find_place
-from live.render.window.monitors import UnknownMonitor, list_monitors
+from live.render.window.monitors import UnknownMonitor, find_place, list_monitors
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Lifeline
+from live.supervisor.supervisor_link import Lifeline
 
 ROUND = 0.1
 

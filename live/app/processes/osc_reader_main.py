@@ -10,7 +10,7 @@ from live.control.helper_process import HELLO, Told
 from live.control.osc.osc_process import Reader
 from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Lifeline
+from live.supervisor.supervisor_link import Lifeline
 
 
 def main() -> None:

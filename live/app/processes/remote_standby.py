@@ -8,21 +8,21 @@ from typing import Any
 from rich.console import Console
 
 from live.app.kernel_warmup import warm_kernels
-from live.app.played import Played
-from live.app.processes.heir import go_on, sound_of
+from live.app.launch_options import Played
 from live.app.processes.standby_output import StandbyOutput, status_can_be_written
+from live.app.processes.warm_standby import go_on, sound_of
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, TakeOver
 from live.control.osc.osc_server import OscInput
-from live.render.pacing import Pacer
-from live.show.journal.replay_start import ReplayError
-from live.show.load import LoadedShow
+from live.render.frame_stats import Pacer
+from live.show.journal.replay import ReplayError
+from live.show.loader import LoadedShow
 from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
 from live.supervisor.heartbeat import Phase
-from live.supervisor.lifeline import Lifeline, nobody_left
 from live.supervisor.state_follower import Following
+from live.supervisor.supervisor_link import Lifeline, nobody_left
 
 RATE = 30.0
 """Pictures a second while another machine leads."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from live.show.core import Show
+from live.show.show import Show
 
 
 @dataclass(frozen=True, slots=True, eq=False)

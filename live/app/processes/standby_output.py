@@ -7,20 +7,19 @@ from typing import Any
 from rich.console import Console
 
 from live.app.headless_picture import HeadlessPicture
-from live.app.memory import resident_megabytes
-from live.app.played import Played
-from live.app.processes.heir import open_picture
-from live.app.recording import live_rate
-from live.app.session_sound import Sound
-from live.app.sharing import LiveSharing
+from live.app.launch_options import Played
+from live.app.live_recording import LiveSharing, live_rate
+from live.app.processes.warm_standby import open_picture
+from live.app.session_audio import Sound
+from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.show.core import Show
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
+from live.show.show import Show
 from live.show.status import Status, StatusFile
 from live.show.venue.venue import Venue
-from live.supervisor.lifeline import Lifeline
 from live.supervisor.state_follower import Following
+from live.supervisor.supervisor_link import Lifeline
 
 
 class StandbyOutput:

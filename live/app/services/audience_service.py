@@ -12,22 +12,22 @@ from urllib.parse import urlsplit
 from rich.console import Console
 
 from live.app.services.audience_tls import Identity, files_of, read_identity
+from live.app.services.http_services import own_address
 from live.app.services.listening_socket import listening_socket
-from live.app.services.own_address import own_address
 from live.base.errors import PersonError
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.clock.time_source import Clock
 from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
-from live.control.audience.rules import Beat, Rules
+from live.control.audience.session_state import Beat, Rules
 from live.control.events.events import AudienceHeard, ControlEvent
 from live.control.helper_process import Helper
-from live.show.core import Show
-from live.show.patch.audience import AudienceSection
+from live.show.patch.section_io import AudienceSection
+from live.show.show import Show
 from live.show.venue.venue import Venue
 from live.show.venue.venue_audience import VenueAudience
 
 if TYPE_CHECKING:
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
 
 BEAT_EVERY: Final = 1.0
 """The gateway is told the beat at least so often [s], and whenever it slips."""

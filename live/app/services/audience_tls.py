@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from live.base.errors import PersonError
-from live.library.plain_file import read_plain
+from live.library.disk_cache import read_plain
 
 if TYPE_CHECKING:
     from cryptography.x509 import Certificate

@@ -10,12 +10,12 @@ from live.clock.time_source import Clock
 from live.control.dmx_mapping import USUAL
 from live.control.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
 from live.control.helper_process import Helper
-from live.control.registry.values import Changes
+from live.control.registry.registry import Changes
 from live.show.engine import Engine
-from live.show.outgoing import Outgoing
+from live.show.telemetry import Outgoing
 
 if TYPE_CHECKING:
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
 
 AT_ONCE: Final = 64
 """Values that are told in one packet."""

@@ -1,9 +1,8 @@
 """JoinCard: the card with the link that an audience joins by, on the outputs that show it."""
 
 from live.app.session import Session
-from live.render.outputs.join_card import join_card
 from live.render.outputs.projection import Projection
-from live.render.outputs.test_cards import JOIN
+from live.render.outputs.test_card import JOIN, join_card
 
 
 class JoinCard:

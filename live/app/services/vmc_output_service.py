@@ -8,13 +8,13 @@ import numpy as np
 from live.app.option_values import parse_endpoint
 from live.base.errors import PersonError, named
 from live.clock.time_source import Clock
-from live.control.capture.vmc_out import MOST_AVATARS, Avatars, VmcOut, dancers_as_told
+from live.control.capture.vmc_output import MOST_AVATARS, Avatars, VmcOut, dancers_as_told
 from live.control.helper_process import Helper
-from live.show.core import Show
 from live.show.engine import Engine
+from live.show.show import Show
 
 if TYPE_CHECKING:
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
 
 LOOK_EVERY: Final = 1.0
 """Seconds after which it is looked again whom words mean: groups change, dancers come and go."""
@@ -42,7 +42,7 @@ class VmcOutPart:
         self._due = [0.0] * len(wanted)
         self._look_at = 0.0
         targets = [(each.host, each.port) for each in wanted]
-        self._helper = Helper("live.control.capture.vmc_out", clock, {"targets": targets}, lambda: None)
+        self._helper = Helper("live.control.capture.vmc_output", clock, {"targets": targets}, lambda: None)
 
     def _look(self, wanted: Avatars) -> np.ndarray[Any, np.dtype[np.intp]]:
         """Who is meant, and on the stage; PersonError for words that mean nobody there ever was."""

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from live.cli.beats.beats_heard import Ear, Seeds
-    from live.cli.beats.beats_timeline import TimelineFile
+    from live.cli.beats.beats_report import Ear, Seeds, TimelineFile
 
 Form = Literal["table", "json", "csv"]
 STREAM_RATE = 44_100
@@ -46,7 +45,7 @@ def beats(
     """
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
-    from live.cli.beats.beats_heard import Ear, Seeds
+    from live.cli.beats.beats_report import Ear, Seeds
 
     parse_number(tap_bpm, "--tap-bpm", 40, 240)
     parse_number(at, "--at", 0, 36_000)
@@ -69,7 +68,7 @@ def beats(
 
 
 def _timeline_file(path: Path) -> "TimelineFile":
-    from live.cli.beats.beats_timeline import TimelineFile
+    from live.cli.beats.beats_report import TimelineFile
 
     return TimelineFile(path)
 
@@ -79,7 +78,7 @@ def _stream(ear: "Ear") -> None:
     import numpy as np
 
     from live.base.errors import PersonError
-    from live.cli.beats.beats_heard import lines_of
+    from live.cli.beats.beats_report import lines_of
 
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
@@ -105,8 +104,7 @@ def _file(
     timeline: "TimelineFile | None",
 ) -> None:
     from live.base.errors import PersonError
-    from live.cli.beats.beats_heard import Ear, hear_file
-    from live.cli.beats.beats_written import as_csv, as_json, print_table, write_click
+    from live.cli.beats.beats_report import Ear, as_csv, as_json, hear_file, print_table, write_click
     from live.control.audio.music_file import MusicFileError, read_music
 
     try:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from live.cli.venue.checks import Check
+    from live.cli.venue.doctor import Check
 
 
 def check(
@@ -32,9 +32,9 @@ def check(
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.session_sound import choose_sound
-    from live.app.wish import Wish
-    from live.rehearse.all_doubts import all_doubts
+    from live.app.launch_options import Wish
+    from live.app.session_audio import choose_sound
+    from live.rehearse.lint import all_doubts
 
     wish = Wish(patch=patch, steps=steps, venue=venue)
     hall = wish.read_venue()
@@ -42,7 +42,7 @@ def check(
     show = loaded.start()
     if venue is not None or as_json:
         from live.app.option_values import parse_endpoint
-        from live.cli.inspect.before_doors import all_before_doors
+        from live.cli.inspect.venue_check import all_before_doors
 
         _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return

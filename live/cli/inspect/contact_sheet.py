@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
     from live.base.stage_snapshot import StageView
     from live.cli.inspect.sheet_moments import Taken
-    from live.show.core import Show
-    from live.show.load import LoadedShow
+    from live.show.loader import LoadedShow
+    from live.show.show import Show
 
 PICTURES = 24
 """Pictures of a sheet, nearly, if nobody says how many measures lie between them."""
@@ -50,8 +50,8 @@ def contact_sheet(
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
-    from live.app.film_show import canvas
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
+    from live.app.offline_film import canvas
     from live.cli.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
 
     size = (width, round(width * 9 / 16))
@@ -88,9 +88,8 @@ def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tu
 
     from live.base.errors import PersonError
     from live.cli.inspect.sheet_moments import measures_of, moments_of_journal
-    from live.show.journal.journal_reading import JournalError, read_journal
-    from live.show.journal.replay import ReplayError, Replaying
-    from live.show.journal.replay_start import loaded_by, start_before
+    from live.show.journal.journal_reader import JournalError, read_journal
+    from live.show.journal.replay import ReplayError, Replaying, loaded_by, start_before
 
     try:
         journal = read_journal(path)
@@ -106,8 +105,7 @@ def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tu
 def _of_patch(
     wish: Any, seconds: float | None, every: int | None
 ) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
-    from live.app.session_sound import choose_sound
-    from live.app.starting_tempo import start_tempo
+    from live.app.session_audio import choose_sound, start_tempo
     from live.base.errors import PersonError
     from live.cli.inspect.sheet_moments import moments_of_patch
 

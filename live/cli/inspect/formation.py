@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from live.agents.formations.formation import Formation
-    from live.agents.formations.spec import FormationSpec
+    from live.agents.formations.formation_spec import FormationSpec
     from live.agents.formations.stage_fit import StageFit
 
 LARGEST_FILE = 2_000_000
@@ -75,7 +75,7 @@ def formation(
 def read_spec(words: str) -> "FormationSpec":
     """The spec that a file or short words say; PersonError if they say none."""
     from live.agents.formations.formation_notation import spec_from_words
-    from live.agents.formations.spec_table import spec_from_table
+    from live.agents.formations.formation_spec import spec_from_table
     from live.agents.formations.svg_import import svg_file_paths
 
     if words.startswith("svg:"):
@@ -96,8 +96,7 @@ def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
     import tomllib
 
     from live.base.errors import PersonError
-    from live.base.toml_lines import error_line
-    from live.base.toml_remedy import toml_remedy
+    from live.base.toml import error_line, toml_remedy
 
     text = _read(path)
     try:
@@ -161,7 +160,7 @@ def _own_count(spec: "FormationSpec") -> int:
 
 def _who_goes_where(before: "Formation", after: "Formation") -> "npt.NDArray[np.int32]":
     """The place in `after` of the dancer on each place of `before`, -1 for none."""
-    from live.agents.evolutions.matching import assign
+    from live.agents.evolutions.slot_assignment import assign
 
     return assign(before.slots, after.slots)
 

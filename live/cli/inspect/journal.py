@@ -1,13 +1,23 @@
-"""`live journal show | diff | export`: what is in a journal."""
+"""`live journal show | diff | export`: what is in a journal.
 
+A journal as a table: a row for each event and each measure, for any spreadsheet.
+"""
+
+import csv
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.control.events.event_json import event_to_json
+from live.show.journal.journal_reader import Journal
+
 if TYPE_CHECKING:
-    from live.show.journal.journal_reading import Journal
-    from live.show.journal.journal_survey import Survey
+    from live.show.journal.journal_reader import Journal, Survey
+
 
 app = typer.Typer(
     help="Read the journal of a show: what happened, where two differ, as MIDI or CSV.", no_args_is_help=True
@@ -17,7 +27,7 @@ FILE = Annotated[Path, typer.Argument(help="A journal written by --journal.")]
 
 def _read(path: Path) -> "Journal":
     from live.base.errors import PersonError
-    from live.show.journal.journal_reading import JournalError, read_journal
+    from live.show.journal.journal_reader import JournalError, read_journal
 
     try:
         return read_journal(path)
@@ -41,7 +51,7 @@ def show(
     from live.base.errors import PersonError
     from live.cli.pictures.journal_picture import draw_journal, size_of
     from live.cli.pictures.reach_picture import PngCanvas, SvgCanvas
-    from live.show.journal.journal_survey import survey
+    from live.show.journal.journal_reader import survey
 
     if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
         raise PersonError(f"--picture {picture}: a name that ends in .svg or .png expected")
@@ -62,8 +72,8 @@ def show(
 
 
 def _facts(found: "Survey") -> dict[str, Any]:
-    from live.show.journal.journal_file import read_snapshots
-    from live.show.journal.replay_start import snapshots_of
+    from live.show.journal.journal_writer import read_snapshots
+    from live.show.journal.replay import snapshots_of
     from live.show.state.snapshot import facts_of
 
     header, problems = found.journal.header, list(found.problems)
@@ -193,13 +203,11 @@ def export(
     writable_file(out, "OUT")
     recorded = _read(journal)
     if kind == ".csv":
-        from live.cli.inspect.journal_table import write_table
-
         write_table(recorded, out)
         return
     from live.app.kernel_warmup import warm_kernels
     from live.cli.inspect.journal_midi import midi_of
-    from live.show.journal.replay_start import ReplayError, first_start, loaded_by
+    from live.show.journal.replay import ReplayError, first_start, loaded_by
 
     warm_kernels(Console(stderr=True))
     try:
@@ -207,3 +215,30 @@ def export(
     except ReplayError as error:
         raise PersonError(str(error)) from None
     write_whole(midi_of(recorded, start), out, "OUT")
+
+
+COLUMNS = ("line", "tick", "seconds", "measure", "kind", "source", "values")
+
+
+def write_table(journal: Journal, out: Path) -> None:
+    """Write it row by row; PersonError if that fails. `values` are JSON; a measure's is its hash."""
+    try:
+        with out.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            table.writerow(COLUMNS)
+            measure = 1
+            for line in journal.usable():
+                row: tuple[str, str, str] | None = None
+                if line.damaged is not None:
+                    row = "damaged", "", line.damaged
+                elif line.event is not None:
+                    values = event_to_json(line.event)
+                    kind, source = values.pop("type"), values.pop("source")
+                    row = kind, source, json.dumps(values, ensure_ascii=False)
+                elif line.measure is not None:
+                    measure = line.measure
+                    row = "measure", "", line.state or ""
+                if row is not None:
+                    table.writerow((line.number, line.tick, f"{line.tick * TICK:.6f}", measure, *row))
+    except OSError as error:
+        raise PersonError(f"{out}: cannot be written: {error.strerror}", "choose another folder") from None

@@ -11,9 +11,8 @@ from live.clock.ticks import TICK
 from live.control.events.audio import MusicHeard
 from live.control.events.event_json import event_to_json
 from live.control.events.events import BeatHeard, MocapFrame, NotesHeard, TrackerMoved
-from live.show.journal.journal_reading import Journal, JournalLine
-from live.show.journal.replay import Replaying
-from live.show.journal.replay_start import Start
+from live.show.journal.journal_reader import Journal, JournalLine
+from live.show.journal.replay import Replaying, Start
 
 PULSES: Final = 480
 """Pulses of a quarter note, which is a beat."""

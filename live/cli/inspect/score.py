@@ -31,7 +31,7 @@ def score(
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.wish import Wish
+    from live.app.launch_options import Wish
     from live.show.score.score_sheet import sheet_of
 
     parse_number(seed, "--seed", 0, 2**31 - 1)
@@ -78,7 +78,7 @@ def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
     from live.app.whole_file import write_whole
     from live.base.errors import PersonError
     from live.cli.pictures.score_picture import score_picture
-    from live.show.load import scene_of
+    from live.show.loader import scene_of
     from live.show.patch.patch import Patch
 
     assert isinstance(patch, Patch)

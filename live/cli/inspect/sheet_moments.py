@@ -8,15 +8,15 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.app.session_sound import Sound, analysis_for
-from live.base.picture import BY_ADDRESS, STYLE_OF_GROUP, of_group
+from live.app.session_audio import Sound, analysis_for
+from live.base.picture_parameters import BY_ADDRESS, STYLE_OF_GROUP, of_group
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.audio.music_file import OfflineMusic
-from live.show.core import Show
-from live.show.journal.journal_reading import Journal
+from live.show.journal.journal_reader import Journal
 from live.show.journal.replay import Replaying
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
+from live.show.show import Show
 
 WITHIN: Final = 0.55
 """How far into its measure a picture is taken: on most steps the way is widest open there."""

@@ -9,7 +9,7 @@ import typer
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from live.motion.formats.motion_facts import MotionFacts, SourceTracks
+    from live.motion.formats.file_report import MotionFacts, SourceTracks
     from live.motion.formats.source_motion import UpAxis
 
 
@@ -32,7 +32,7 @@ def bvh(
     from live.base.errors import PersonError
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
-    from live.motion.formats.motion_facts import find_facts
+    from live.motion.formats.file_report import find_facts
 
     parse_number(fps, "--fps", 1, 10_000)
     parse_number(unit, "--unit", 1e-6, 1000)

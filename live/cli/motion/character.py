@@ -29,7 +29,7 @@ def character(
 
     from live.app.kernel_warmup import warm_kernels
     from live.app.option_values import parse_size, writable_file
-    from live.base.character import CharacterFile
+    from live.base.body_catalogue import CharacterFile
     from live.base.errors import PersonError
     from live.motion.skeleton import SKELETON
 

@@ -155,7 +155,7 @@ def _retargeted(
 def _step(name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None) -> "Clip":
     """The measures of one variation of a step, without the lead-in."""
     from live.base.errors import PersonError
-    from live.motion.resample import resample
+    from live.motion.clip import resample
 
     found = _variations(name, library)
     if variation is not None and not 1 <= variation <= len(found):
@@ -171,7 +171,7 @@ def _variations(name: str, library: Path | None) -> "list[StepClip]":
     import difflib
 
     from live.base.errors import PersonError
-    from live.cli.steps.steps_library import folders, named_steps
+    from live.cli.steps.add import folders, named_steps
 
     clips = [clip for step in named_steps(library) for clip in step.clips]
     found = [clip for clip in clips if clip.step.casefold() == name.strip().casefold()]
@@ -197,7 +197,7 @@ def _write(clip: "Clip", to: Path) -> int:
     from live.app.whole_file import write_whole
 
     if to.suffix.lower() == ".bvh":
-        from live.motion.formats.writer import write_bvh
+        from live.motion.formats.bvh_writer import write_bvh
 
         data = write_bvh(clip, rate=None).encode("ascii")
     else:

@@ -23,7 +23,7 @@ def send(
     """Send a recording by the VMC protocol, in real time: to a show, or to any program that shows avatars."""
     from live.app.option_values import parse_endpoint, parse_number
     from live.base.errors import PersonError
-    from live.control.capture.vmc_playing import play_clip
+    from live.control.capture.vmc_output import play_clip
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
     from live.motion.retarget.retarget import retarget

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
-    from live.library.sync import Sync
+    from live.library.beat_alignment import Sync
 
 
 def sync(
@@ -34,7 +34,7 @@ def sync(
     """
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
-    from live.library.sync import SyncWish, find_sync
+    from live.library.beat_alignment import SyncWish, find_sync
 
     parse_number(click, "--click", 20, 400)
     parse_number(bpm, "--bpm", 20, 400)

@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 
 from live.app.whole_file import write_whole
-from live.base.character import CharacterFile
+from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Look, Scene, StageView
-from live.cli.steps.steps_library import named_steps
+from live.cli.steps.add import named_steps
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
+from live.render.adaptive_quality import CARD
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
-from live.render.quality import CARD
 from live.render.renderer import Renderer
 
 MOMENTS = 3

@@ -5,7 +5,7 @@ from typing import Final
 
 from live.cli.pictures.reach_picture import Canvas
 from live.clock.ticks import TICK
-from live.show.journal.journal_survey import Survey
+from live.show.journal.journal_reader import Survey
 
 LEFT, RIGHT, ROW, HEAD, CURVE = 220, 24, 18, 56, 70
 """Pixels: names, right edge, height of a row, above the first row, height of the tempo's curve."""

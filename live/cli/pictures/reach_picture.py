@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.select.reach import ARC, DIRECTIONS, Reach
+from live.graph.select.reachability import ARC, DIRECTION_NAMES, Reach
 
 Float64 = npt.NDArray[np.float64]
 Point = tuple[float, float]
@@ -80,7 +80,7 @@ def draw_reach(reach: Reach, canvas: Canvas) -> None:
 def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
     """A dashed line in every direction in which there is nothing."""
     for name in reach.missing:
-        angle = DIRECTIONS.index(name) * ARC
+        angle = DIRECTION_NAMES.index(name) * ARC
         end = (0.97 * scale.metres * math.sin(angle), 0.97 * scale.metres * math.cos(angle))
         canvas.line(scale.at((0.0, 0.0)), scale.at(end), MISSING, 1.5, dashed=True)
         x, y = scale.at(end)
@@ -169,7 +169,7 @@ class PngCanvas:
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
         from PIL import ImageFont
 
-        from live.render.typeface import readable
+        from live.render.lettering import readable
 
         font, words = ImageFont.load_default(self.FINE * size), readable(words)
         place = {"start": "ls", "middle": "ms", "end": "rs"}[anchor]

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from live.cli.inspect.sheet_moments import Taken
-from live.render.typeface import readable
+from live.render.lettering import readable
 
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -9,19 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.cli.steps.dance_wanted import SKETCHES, check_attributes, read_clips, read_text, read_wanted
-from live.cli.steps.steps_library import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
+from live.cli.steps.add import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
+from live.cli.steps.dance_request import SKETCHES, check_attributes, read_clips, read_text, read_wanted
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.render_dance import Assembled, assemble
 from live.graph.search.depth_first_reference import SearchTooLong
-from live.graph.search.followed_path import FollowedPath
-from live.graph.search.missing import Missing, find_missing
-from live.graph.search.path import Targets, follow_line, read_path, smoothed
-from live.graph.search.path_search import follow_path
-from live.graph.search.path_words import path_lacks
-from live.graph.search.sequence import NoPath, best_start, find_sequence
+from live.graph.search.path_diagnostics import Missing, find_missing, path_lacks
+from live.graph.search.path_following import FollowedPath, Targets, follow_line, follow_path, read_path, smoothed
+from live.graph.search.sequence import NoPath, best_start, find_name, find_sequence, known
 from live.graph.search.sequence_spec import Specification, Wanted, specify
-from live.graph.search.wanted import find_name, known
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import StepLibrary
 

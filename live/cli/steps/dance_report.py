@@ -17,8 +17,8 @@ from live.cli.steps.dance_plan import Plan
 from live.graph.dance_metrics import DanceFigures
 from live.graph.render_dance import Assembled
 from live.motion.clip import Clip
+from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.gltf_writer import write_glb
-from live.motion.formats.writer import write_bvh
 
 SHOWN: Final = 200
 """Measures that the table shows; JSON holds them all."""

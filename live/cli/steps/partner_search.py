@@ -11,21 +11,14 @@ import numpy.typing as npt
 
 from live.app.whole_file import write_whole
 from live.base.errors import PersonError
-from live.cli.steps.partner_path import Led, led_by_path
-from live.cli.steps.partner_report import compared, report_of
-from live.cli.steps.partner_wish import Wish
+from live.cli.steps.partner_request import Led, Wish, compared, led_by_path, report_of
 from live.library.motion_file import read_motion
-from live.library.pairs import Side
-from live.library.pairs_file import Examples, read_pairs, recorded
-from live.motion.beats.tempo_guess import guess_tempo
-from live.motion.beats.two_beats import CLEAR, two_beat_lines
+from live.library.partner_pairs import Examples, Side, read_pairs, recorded
+from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines
 from live.motion.cleanup.trim_start import find_beginning
-from live.motion.clip import Clip
+from live.motion.clip import Clip, read_clip
+from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.writer import write_bvh
-from live.motion.partner.cloud import ends_cloud
-from live.motion.partner.cluster import thin_out
-from live.motion.partner.leash import NEAR
 from live.motion.partner.partner_synthesis import (
     WALK_CONTINUITY,
     WALK_RATE,
@@ -33,10 +26,11 @@ from live.motion.partner.partner_synthesis import (
     Search,
     find_partner,
 )
+from live.motion.partner.path_leader import NEAR
+from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner.transcription import transcribed, transcript_text
-from live.motion.partner.units import BEATS_OF_UNIT, beat_samples
+from live.motion.partner.units import BEATS_OF_UNIT, beat_samples, thin_out
 from live.motion.retarget.body_tracks import body_tracks
-from live.motion.sampling import read_clip
 
 FEWEST: Final = 8
 """Frames below which a file holds no dance."""

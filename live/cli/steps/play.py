@@ -7,20 +7,18 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from live.app.session_sound import Sound
-from live.app.wish import Wish
+from live.app.launch_options import Wish
+from live.app.session_audio import Sound
 from live.base.errors import PersonError
-from live.cli.steps.steps_library import find_step, named_steps
+from live.cli.steps.add import find_step, named_steps
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion.clip import Clip
-from live.motion.step_clip import StepClip
-from live.motion.step_figures import travel
-from live.show.load import LoadedShow
-from live.show.patch.group import GroupSection
-from live.show.patch.motion import LocomotionSection
-from live.show.patch.music import ClockSection
+from live.motion.step_clip import StepClip, travel
+from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.patch.section_motion import GroupSection, LocomotionSection
+from live.show.patch.section_music import ClockSection
 from live.show.patch.section_stage import CameraSection, StageSection
 
 MOST = 16
@@ -85,12 +83,12 @@ def play_step(preview: Preview) -> None:
         bpm=bpm, osc=("127.0.0.1", 0), seconds=preview.seconds, record=preview.film, size=preview.size,
         fps=preview.fps, show=loaded,
     )  # fmt: skip
-    from live.app.stage import play_show
+    from live.app.headless_loop import play_show
     from live.render.window.monitors import list_monitors
 
     if preview.film is not None and not preview.headless:
-        from live.app.film_show import film_show
         from live.app.kernel_warmup import warm_kernels
+        from live.app.offline_film import film_show
 
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop

@@ -106,7 +106,7 @@ def add(
     The recording is copied there, and a table "step" joins the TOML file of its name. Nothing is written before the
     step was cut, and nothing that is there is written over.
     """
-    from live.cli.steps.steps_add import Listening, add_to_library
+    from live.cli.steps.add import Listening, add_to_library
 
     given = {
         "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
@@ -123,7 +123,7 @@ def add(
 @app.command("list")
 def list_(library: Library = None, json_out: JsonOut = False) -> None:
     """List the steps: name, variations, length, tempo, ways, feet, poses, tags."""
-    from live.cli.steps.steps_list import print_list
+    from live.cli.steps.inspect import print_list
 
     print_list(library, json_out)
 
@@ -139,10 +139,10 @@ def show(
     ] = None,
 ) -> None:
     """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
-    from live.cli.steps.steps_show import print_step
+    from live.cli.steps.inspect import print_step
 
     if reach is not None:
-        from live.cli.steps.steps_reach import write_reach
+        from live.cli.steps.inspect import write_reach
 
         write_reach(step, library, reach)
     print_step(step, library, json_out)
@@ -172,7 +172,7 @@ def graph(
     """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
     from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
-    from live.cli.steps.steps_graph import print_graph
+    from live.cli.steps.graph import print_graph
 
     parse_number(threshold, "--threshold", 0.001, 10)
     parse_number(window, "--window", 0.01, 0.9)
@@ -187,7 +187,7 @@ def graph(
 @app.command("check")
 def check(library: Library = None, json_out: JsonOut = False) -> None:
     """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""
-    from live.cli.steps.steps_check import print_findings
+    from live.cli.steps.inspect import print_findings
 
     print_findings(library, json_out)
 
@@ -218,7 +218,7 @@ def enrich(
     of the same step, and begin and end where the sketch does. What is needed of the motion capture is in them.
     """
     from live.app.option_values import parse_number
-    from live.cli.steps.steps_enrich import enrich_library
+    from live.cli.steps.texture_run import enrich_library
     from live.motion.texture.texture_settings import Wish, parse_bands, parse_joints
 
     parse_number(fps, "--fps", 1, 10_000)

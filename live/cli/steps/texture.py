@@ -63,7 +63,7 @@ def texture(
     names of joints.
     """
     from live.app.option_values import parse_number
-    from live.cli.steps.texture_made import Asked, make
+    from live.cli.steps.texture_run import Asked, make
     from live.motion.texture.texture_settings import Wish, column_of, parse_bands, parse_drive, parse_joints
 
     parse_number(fps, "--fps", 1, 10_000)

@@ -6,7 +6,7 @@ import typer
 
 if TYPE_CHECKING:
     from live.control.audio.channel_mixer import Channels
-    from live.control.audio.sound_devices import SoundDevice
+    from live.control.audio.devices import SoundDevice
     from live.show.venue.venue import Venue
 
 
@@ -59,7 +59,7 @@ def calibrate(
 def _input(audio: str | None, audio_channel: str | None, there: "Venue") -> "tuple[SoundDevice, Channels]":
     from live.base.errors import PersonError, named
     from live.control.audio.channel_mixer import Channels
-    from live.control.audio.sound_devices import SoundUnavailable, find_device
+    from live.control.audio.devices import SoundUnavailable, find_device
 
     with named("--audio-channel" if audio_channel is not None else "audio.channels of the venue"):
         channels = Channels.of(audio_channel if audio_channel is not None else there.audio.channels or (1, 2))
@@ -74,9 +74,8 @@ def _round_trip(
 ) -> tuple[dict[str, Any], dict[str, float]]:
     from live.base.errors import PersonError
     from live.clock.time_source import SystemClock
-    from live.control.audio.calibration import measure, sweep_train
-    from live.control.audio.calibration_devices import Microphone, play_and_record
-    from live.control.audio.sound_devices import SoundUnavailable, find_device
+    from live.control.audio.devices import SoundUnavailable, find_device
+    from live.control.audio.latency_sweep import Microphone, measure, play_and_record, sweep_train
 
     try:
         speaker = find_device(output, "output")
@@ -112,7 +111,7 @@ def _round_trip(
 def _claps(
     device: "SoundDevice", channels: "Channels", there: "Venue", flashes: int, monitor: str | None
 ) -> tuple[dict[str, Any], dict[str, float]]:
-    from live.cli.venue.calibrate_claps import WindowScreen, clap_test
+    from live.cli.venue.clap_calibration import WindowScreen, clap_test
 
     with WindowScreen(monitor) as screen:
         offset = clap_test(screen, device, channels, max(flashes, 16))
@@ -132,8 +131,7 @@ def _write(name: str, values: dict[str, dict[str, Any]]) -> str:
 
     from live.app.whole_file import write_whole
     from live.base.errors import PersonError
-    from live.show.venue.venue import venue_path
-    from live.show.venue.venue_file import changed_venue
+    from live.show.venue.venue import changed_venue, venue_path
 
     path = venue_path(name)
     text = changed_venue(path, name, values, f"measured {time.strftime('%Y-%m-%d')}")

@@ -1,12 +1,18 @@
-"""`live devices`: the audio inputs and outputs, MIDI ports and monitors that a show can name."""
+"""`live devices`: the audio inputs and outputs, MIDI ports and monitors that a show can name.
+
+What is plugged into this machine: audio, MIDI, monitors, each as a list or the reason why there is none.
+
+Never raises: a missing library, a missing server or a missing screen becomes the section's `why`.
+"""
 
 import json
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any, Literal
 
 import typer
 
-if TYPE_CHECKING:
-    from live.cli.venue.inventory import Item, Section
+from live.base.native_stderr import quiet_stderr
 
 _HEADINGS = {
     "audio_inputs": "Audio in",
@@ -44,7 +50,6 @@ def devices(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
     """List audio inputs and outputs, MIDI ports and monitors."""
-    from live.cli.venue.inventory import inventory
 
     sections = inventory()
     if as_json:
@@ -52,3 +57,82 @@ def devices(
         return
     for section in sections:
         _print(section)
+
+
+Item = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """One kind of device; `why` says in one sentence why `items` is empty (or None where it is not)."""
+
+    title: str
+    items: tuple[Item, ...]
+    why: str | None = None
+
+
+def one_line(error: BaseException) -> str:
+    """The error's text on one line, or its type's name where it has none."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def audio() -> tuple[Section, Section]:
+    """Audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
+    from live.control.audio import devices
+
+    def section(direction: str, find: Callable[[], list[devices.SoundDevice]]) -> Section:
+        try:
+            with quiet_stderr():
+                items = tuple(asdict(device) for device in find())
+        except devices.SoundUnavailable as error:
+            return Section(f"audio_{direction}s", (), one_line(error))
+        why = f"PortAudio finds no {direction}: no sound card, and no PulseAudio, PipeWire or JACK server within reach"
+        return Section(f"audio_{direction}s", items, None if items else why)
+
+    return section("input", devices.list_input_devices), section("output", devices.list_output_devices)
+
+
+def midi() -> tuple[Section, Section]:
+    """MIDI inputs and outputs by name, of all MIDI systems that run (ALSA, JACK, Core MIDI)."""
+    from live.control.midi.midi_ports import MidiUnavailable, port_names
+
+    def section(title: str, direction: Literal["input", "output"]) -> Section:
+        try:
+            with quiet_stderr():
+                systems = port_names(direction)
+        except MidiUnavailable as error:
+            return Section(title, (), one_line(error))
+        names = [name for found in systems.values() for name in found]
+        nothing = "the system's MIDI is there, but nothing is plugged in"
+        return Section(title, tuple({"name": name} for name in names), None if names else nothing)
+
+    return section("midi_inputs", "input"), section("midi_outputs", "output")
+
+
+def monitors() -> Section:
+    """Monitors by number (from 1): name, width and height [pixels], refresh_rate [Hz], position [pixels], primary."""
+    from live.render.window.monitors import list_monitors, screen_problem, stop_glfw
+
+    with quiet_stderr():
+        found = list_monitors()
+        problem = screen_problem()
+        stop_glfw()
+    items = tuple(
+        {
+            "number": monitor.index,
+            "name": monitor.name,
+            "width": monitor.size[0],
+            "height": monitor.size[1],
+            "refresh_rate": monitor.refresh_hz,
+            "position": list(monitor.position),
+            "primary": monitor.index == 1,
+        }
+        for monitor in found
+    )
+    nothing = problem or "the screen is reachable, but no monitor is switched on"
+    return Section("monitors", items, None if items else nothing)
+
+
+def inventory() -> list[Section]:
+    """All sections in the order in which people read them."""
+    return [*audio(), *midi(), monitors()]

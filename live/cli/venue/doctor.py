@@ -1,15 +1,33 @@
-"""`live doctor`: what this machine has and lacks for a show, and how to get it."""
+"""`live doctor`: what this machine has and lacks for a show, and how to get it.
 
+How to get a missing system library on this machine: the exact apt, dnf or brew line.
+
+Which OpenGL this machine has, asked in a process of its own: a broken driver may crash or hang there.
+
+The checks of `live doctor`: one function each, none of which raises.
+"""
+
+import importlib.metadata
 import json
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
+from live.base.native_stderr import quiet_stderr
+from live.cli.venue.devices import Section, audio, midi, monitors, one_line
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from live.cli.venue.checks import Check
 
 _MARKS = {"ok": "[green]OK[/]", "limited": "[yellow]limited[/]", "missing": "[red]missing[/]"}
 
@@ -19,8 +37,6 @@ def doctor(
 ) -> None:
     """Say what is missing on this machine and how to get it; exit 1 if no show can run."""
     from dataclasses import asdict
-
-    from live.cli.venue.checks import all_checks
 
     checks = list(all_checks())
     can_run = not any(check.needed and check.state != "ok" for check in checks)
@@ -53,3 +69,235 @@ def table_of(checks: "Sequence[Check]") -> "Table":
     for check in checks:
         table.add_row(_MARKS[check.state], check.name, Text(check.detail), Text(check.remedy))
     return table
+
+
+_PACKAGES = {
+    "opengl": {"apt-get": "libegl1 libgl1", "dnf": "mesa-libEGL mesa-libGL mesa-dri-drivers"},
+    "portaudio": {"apt-get": "libportaudio2", "dnf": "portaudio", "brew": "portaudio"},
+    "alsa": {"apt-get": "libasound2", "dnf": "alsa-lib"},
+    "x11": {
+        "apt-get": "libx11-6 libxcursor1 libxi6 libxinerama1 libxrandr2",
+        "dnf": "libX11 libXcursor libXi libXinerama libXrandr",
+    },
+}
+_COMMANDS = {
+    "apt-get": "sudo apt-get install --no-install-recommends",
+    "dnf": "sudo dnf install",
+    "brew": "brew install",
+}
+
+
+def install_line(library: str) -> str:
+    """What to type for `library` (opengl, portaudio, alsa or x11) with the first package manager found here."""
+    for manager, command in _COMMANDS.items():
+        if shutil.which(manager):
+            packages = _PACKAGES[library].get(manager)
+            if packages is None:
+                return f"{library} comes with this system"
+            if manager == "apt-get" and library == "alsa" and _has_time64_names():
+                packages = "libasound2t64"
+            return f"{command} {packages}"
+    return f"install {library} with this system's package manager"
+
+
+def _has_time64_names() -> bool:
+    # Debian 13 and Ubuntu 24.04 renamed some libraries for 64-bit time; libc's own marks show which naming is in use
+    return any(Path("/usr/share/doc").glob("lib*t64"))
+
+
+_PROBE = """
+import json, sys, moderngl
+options = {"backend": "egl"} if sys.platform == "linux" else {}
+context = moderngl.create_context(standalone=True, **options)
+print(json.dumps([context.info["GL_RENDERER"], context.info["GL_VERSION"], context.version_code]))
+"""
+_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader")
+
+
+@dataclass(frozen=True, slots=True)
+class OpenGL:
+    """What drawing without a window gives: the renderer's name (None = there is none, and `why`) and version."""
+
+    renderer: str | None
+    version: str = ""
+    code: int = 0
+    """Version as moderngl counts it: 450 is OpenGL 4.5."""
+    why: str = ""
+
+    @property
+    def software(self) -> bool:
+        """Whether the CPU draws (Mesa's llvmpipe and its like)."""
+        return self.renderer is not None and any(word in self.renderer.lower() for word in _SOFTWARE)
+
+
+def probe_opengl(timeout: float = 30.0) -> OpenGL:
+    """Create an offscreen context as headless shows do and read its names; never raises, waits `timeout` [s]."""
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=timeout, check=False
+        )
+        renderer, version, code = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        return OpenGL(None, why=f"the driver did not answer within {timeout:g} s")
+    except ValueError:
+        said = done.stderr.strip().splitlines()
+        return OpenGL(None, why=said[-1] if said else f"the driver crashed (exit {done.returncode})")
+    return OpenGL(renderer, version, code)
+
+
+State = Literal["ok", "limited", "missing"]
+OSC_ADDRESS = ("127.0.0.1", 9010)
+OLDEST_OPENGL = 410
+EXTRAS = {"linkpython-extern": "Ableton Link"}
+"""What a show lacks without an optional package."""
+_OTHER_PYTHON = "take Python 3.11 or 3.12: make clean play PYTHON=python3.12"
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One line of the doctor's table.
+
+    `limited`: shows run, without what `detail` says. `missing` with `needed`: no show runs before `remedy` is done.
+    """
+
+    name: str
+    state: State
+    detail: str
+    remedy: str = ""
+    needed: bool = False
+
+
+def check_python() -> Check:
+    """The interpreter itself."""
+    version = ".".join(map(str, sys.version_info[:3]))
+    return Check("Python", "ok", f"{version}, {sys.executable}", needed=True)  # an older one cannot read this file
+
+
+def check_packages() -> Iterator[Check]:
+    """Every Python package that this one requires, by the metadata it was installed with."""
+    try:
+        requirements = importlib.metadata.requires("choreographics-live") or []
+    except importlib.metadata.PackageNotFoundError:
+        yield Check("packages", "missing", "choreographics-live is not installed", "make play", needed=True)
+        return
+    for requirement in requirements:
+        name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+        optional = ";" in requirement
+        try:
+            yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
+        except importlib.metadata.PackageNotFoundError:
+            if "extra ==" in requirement:
+                yield Check(name, "limited", f"not installed: no {EXTRAS.get(name, 'such part')}", "make play")
+            elif optional:
+                detail = f"not for this Python ({requirement.partition(';')[2].strip()})"
+                yield Check(name, "limited", detail, _OTHER_PYTHON)
+            else:
+                yield Check(name, "missing", "not installed", "make play", needed=True)
+
+
+def check_opengl() -> Check:
+    """OpenGL without a window, as headless shows and films use it."""
+    opengl = probe_opengl()
+    if opengl.renderer is None:
+        return Check("OpenGL", "missing", opengl.why, install_line("opengl"), needed=True)
+    detail = f"{opengl.version}, {opengl.renderer}"
+    if opengl.code < OLDEST_OPENGL:
+        return Check("OpenGL", "missing", f"{detail}: 4.1 is needed", "a newer graphics driver", needed=True)
+    if opengl.software:
+        return Check("OpenGL", "ok", f"{detail} (software: the CPU draws)", needed=True)
+    return Check("OpenGL", "ok", f"{detail} (GPU)", needed=True)
+
+
+def check_monitors() -> Check:
+    """A screen to show on; without one, films can still be made."""
+    section = monitors()
+    if section.why is None:
+        names = [f"{item['name']} {item['width']}×{item['height']}" for item in section.items]
+        return Check("monitors", "ok", ", ".join(names))
+    remedy = install_line("x11") if "Failed to load" in section.why else "log in to a desktop"
+    return Check("monitors", "limited", f"{section.why}; shows are written as films", remedy)
+
+
+def _check_section(name: str, section: Section, without: str, remedy: str) -> Check:
+    if section.why is None:
+        return Check(name, "ok", ", ".join(str(item["name"]) for item in section.items))
+    return Check(name, "limited", f"{section.why}; {without}", remedy)
+
+
+def check_audio() -> Iterator[Check]:
+    """PortAudio, and something to listen to and to play on."""
+    try:
+        version = _portaudio_version()
+    except OSError as error:
+        detail = f"{one_line(error)}; music files are followed silently"
+        yield Check("PortAudio", "limited", detail, install_line("portaudio"))
+        return
+    yield Check("PortAudio", "ok", version)
+    inputs, outputs = audio()
+    remedy = "plug in a sound card, or start PulseAudio or PipeWire"
+    yield _check_section("audio in", inputs, "music can come from a file, or tempo from --bpm", remedy)
+    yield _check_section("audio out", outputs, "music files are followed silently", remedy)
+
+
+def _portaudio_version() -> str:
+    with quiet_stderr():
+        import sounddevice
+
+    return str(sounddevice.get_portaudio_version()[1]).partition(",")[0]
+
+
+def check_midi() -> Iterator[Check]:
+    """MIDI in and out."""
+    inputs, outputs = midi()
+    remedy = "plug in a MIDI device"
+    if inputs.why is not None and "libasound" in inputs.why:
+        remedy = install_line("alsa")
+    elif inputs.why is not None and "rtmidi'" in inputs.why:
+        remedy = _OTHER_PYTHON
+    yield _check_section("MIDI in", inputs, "no MIDI control", remedy)
+    yield _check_section("MIDI out", outputs, "nothing is sent over MIDI", remedy)
+
+
+def check_kernels() -> Check:
+    """Whether the kernels lie compiled on disk, in a folder that can be written."""
+    from live.app.kernel_warmup import is_warm
+    from live.base import jit
+
+    wished, used = jit.cache_root(), jit.KERNELS
+    if used != wished:
+        remedy = "make it writable, or name another folder in LIVE_CACHE_DIR"
+        return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until the reboot", remedy)
+    try:
+        with tempfile.TemporaryFile(dir=used):
+            pass
+    except OSError as error:
+        return Check("kernel cache", "limited", f"{used}: {one_line(error)}; every start compiles", "free some space")
+    if is_warm():
+        return Check("kernel cache", "ok", f"{jit.kernel_count()} kernels compiled in {used}")
+    return Check("kernel cache", "limited", f"{used} is cold: the first start takes longer", "live warm")
+
+
+def check_osc_port() -> Check:
+    """Whether the default OSC port can be had."""
+    host, port = OSC_ADDRESS
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(OSC_ADDRESS)
+    except OSError as error:
+        detail = f"udp {host}:{port}: {one_line(error)}"
+        return Check(
+            "OSC port", "limited", detail, "end the other program (another show?) or play with --osc HOST:PORT"
+        )
+    return Check("OSC port", "ok", f"udp {host}:{port} is free")
+
+
+def all_checks() -> Iterator[Check]:
+    """Every check, in the order of the table."""
+    yield check_python()
+    yield from check_packages()
+    yield check_opengl()
+    yield check_monitors()
+    yield from check_audio()
+    yield from check_midi()
+    yield check_kernels()
+    yield check_osc_port()

@@ -5,13 +5,10 @@ from typing import Final
 import numpy as np
 
 from live.clock.bar_pointer.bar_pointer_kernels import advance, fence, leap, observe, refine, rescale, search, tally
-from live.clock.bar_pointer.evidence import likelihoods
-from live.clock.bar_pointer.hand import Hand, interval_of
-from live.clock.bar_pointer.model import Model
-from live.clock.bar_pointer.passed_beats import PassedBeats
-from live.clock.bar_pointer.place import Place
-from live.clock.bar_pointer.states import States
-from live.clock.bar_pointer.whereabouts import Whereabouts
+from live.clock.bar_pointer.beat_regression import PassedBeats, Place
+from live.clock.bar_pointer.observation_model import Whereabouts, likelihoods
+from live.clock.bar_pointer.state_space import Model, States
+from live.clock.bar_pointer.transition_model import Hand, interval_of
 
 _SIDE_BINS: Final = 2
 

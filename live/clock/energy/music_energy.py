@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.energy.frames import EnergyFrames
+from live.clock.energy.energy_frames import EnergyFrames, Range
 from live.clock.energy.music_structure import SILENT_DB, Structure
-from live.clock.energy.ranges import Range
 
 USUAL_PERIOD: Final = 0.5
 """Seconds that count as a beat while none is known."""

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.energy.frames import Heard
+from live.clock.energy.energy_frames import Heard
 
 Float64 = npt.NDArray[np.float64]
 

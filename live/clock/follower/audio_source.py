@@ -3,11 +3,9 @@
 import math
 from typing import Final
 
-from live.clock.follower.consensus_ear import ConsensusEar
-from live.clock.follower.pointer_ear import PointerEar
-from live.clock.follower.said import Said
-from live.clock.follower.source import HeardSource, Lines, State
-from live.clock.grid import Grid
+from live.clock.follower.clock_source import HeardSource, Lines, Said, State
+from live.clock.follower.tracker_inputs import ConsensusEar, PointerEar
+from live.clock.timeline import Grid
 
 NOTHING_HEARD: Final = 3.0
 """Seconds (at least three beats) without a statement after which the tempo runs on alone."""

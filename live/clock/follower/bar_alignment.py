@@ -3,8 +3,8 @@
 import math
 from typing import Final
 
-from live.clock.follower.run import Run
-from live.clock.follower.source import Lines
+from live.clock.follower.clock_source import Lines
+from live.clock.follower.phase_correction import Run
 
 VOTES: Final = 1.0
 """A source's measure line is taken over when it was the same for so many measures running ..."""

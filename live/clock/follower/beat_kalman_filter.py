@@ -8,7 +8,7 @@ Mehra, IEEE Trans. Automatic Control 15(2), 1970: innovations that are not white
 import math
 from typing import Final
 
-from live.clock.grid import Grid
+from live.clock.timeline import Grid
 
 JITTER: Final = 0.008
 """Standard deviation of a statement's time when its source is sure [s]; three times as much when it is not."""

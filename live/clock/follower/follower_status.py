@@ -2,11 +2,10 @@
 
 import math
 
+from live.clock.follower.clock_source import Source
 from live.clock.follower.count_in import CountingIn
-from live.clock.follower.direct import DirectSource
-from live.clock.follower.jump import Jump
-from live.clock.follower.run import Run
-from live.clock.follower.source import Source
+from live.clock.follower.external_source import DirectSource
+from live.clock.follower.phase_correction import Jump, Run
 from live.clock.follower.source_arbiter import Ruling
 from live.clock.timeline import Timeline
 

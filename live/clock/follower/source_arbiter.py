@@ -6,11 +6,10 @@ from typing import Final
 
 from live.clock.follower.audio_source import AudioSource
 from live.clock.follower.bar_alignment import Measures
-from live.clock.follower.direct import DirectSource
-from live.clock.follower.hand import HandSource
-from live.clock.follower.run import Run, wholes_off
-from live.clock.follower.source import Source
-from live.clock.grid import Grid
+from live.clock.follower.clock_source import Source
+from live.clock.follower.external_source import DirectSource, HandSource
+from live.clock.follower.phase_correction import Run, wholes_off
+from live.clock.timeline import Grid
 
 PRIORITY: Final = ("link", "midi", "mtc", "audio", "tap", "internal")
 """Who is followed first, unless the patch or the operator says otherwise."""

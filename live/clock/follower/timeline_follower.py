@@ -6,17 +6,14 @@ from typing import Final
 
 from live.clock.follower.audio_source import AudioSource
 from live.clock.follower.bar_alignment import Measures
+from live.clock.follower.clock_source import HeardSource, Said, Source
 from live.clock.follower.count_in import CountingIn
-from live.clock.follower.direct import DirectSource
-from live.clock.follower.hand import HandSource
-from live.clock.follower.hand_controls import HandControls
-from live.clock.follower.run import SLEW_LOCKED, SLEW_UNLOCKED, Run
-from live.clock.follower.said import Said
-from live.clock.follower.source import HeardSource, Source
+from live.clock.follower.external_source import DirectSource, HandSource
+from live.clock.follower.manual_control import HandControls
+from live.clock.follower.phase_correction import SLEW_LOCKED, SLEW_UNLOCKED, Run
 from live.clock.follower.source_arbiter import PRIORITY, Ruling
-from live.clock.grid import Grid
 from live.clock.tap_tempo import TapTempo
-from live.clock.timeline import Timeline
+from live.clock.timeline import Grid, Timeline
 
 __all__ = ["SLEW_LOCKED", "SLEW_UNLOCKED", "TimelineFollower"]
 

@@ -7,8 +7,8 @@ from typing import Any, Final
 import aubio
 import numpy as np
 
-from live.clock.estimate import BeatEstimate, Samples
-from live.clock.quiet import SILENT_AFTER, SILENT_LEVEL
+from live.clock.beat_estimate import BeatEstimate, Samples
+from live.clock.silence import SILENT_AFTER, SILENT_LEVEL
 
 HOP: Final = 0.0116
 """Wanted step of the analysis [s]; the hop is the power of two of samples that comes nearest."""

@@ -4,12 +4,12 @@ import math
 from typing import Final
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.bar_pointer.model import Model
+from live.clock.bar_pointer.state_space import Model
 from live.clock.beat_announcer import Announcer
-from live.clock.estimate import BeatEstimate, Samples
-from live.clock.quiet import Quiet
-from live.clock.tracking.bands import HOP
-from live.clock.tracking.hearing import Activation, Hearing
+from live.clock.beat_estimate import BeatEstimate, Samples
+from live.clock.silence import Quiet
+from live.clock.tracking.beat_network import Activation, Hearing
+from live.clock.tracking.features import HOP
 
 RECENT: Final = 6.0
 """A press is a statement about the beats of now if it is not further away than this [s]."""

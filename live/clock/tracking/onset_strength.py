@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.bands import BAND_COUNT
+from live.clock.tracking.features import BAND_COUNT
 
 LOW_BANDS: Final = 6
 """Bands of the short window below about 160 Hz: bass drum, bass."""

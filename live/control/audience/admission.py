@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from live.control.audience.join_tickets import Tickets
-from live.control.audience.phones import Phone, Phones
+from live.control.audience.phone_registry import Phone, Phones
 from live.control.audience.rate_limit import ALL_JOINS, Bucket, Line, Why
 
 OWN_WIFI: Final = "own wifi"

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from live.control.audience.tokens import Device
+from live.control.audience.phone_registry import Device
 
 BROWSER_HOLDS: Final = 600.0
 """Behind nat, who joins anew with the banned one's browser is held for so long [s] after the ban."""

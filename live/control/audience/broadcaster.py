@@ -5,10 +5,9 @@ import contextlib
 import json
 from typing import Final
 
-from live.control.audience.hall import Hall
-from live.control.audience.phones import Phone
+from live.control.audience.phone_registry import Phone
 from live.control.audience.rate_limit import Why
-from live.control.audience.rules import Beat, Rules
+from live.control.audience.session_state import Beat, Hall, Rules
 
 BEHIND: Final = 1 << 14
 """Bytes that a phone may not have taken yet: one that is further behind is cut off, and comes again."""

@@ -19,9 +19,8 @@ from aiohttp import web
 
 from live.clock.ticks import TICK
 from live.control.audience.broadcaster import Teller
-from live.control.audience.door import HELLO_WITHIN, Door
-from live.control.audience.hall import Hall
-from live.control.audience.rules import Beat, Rules
+from live.control.audience.http_server import HELLO_WITHIN, Door
+from live.control.audience.session_state import Beat, Hall, Rules
 from live.control.audience.tls import server_context
 from live.control.helper_process import Told
 from live.control.message_codec import packet_of

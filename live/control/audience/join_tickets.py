@@ -7,8 +7,8 @@ new, for pages load slowly; then few at a time come in by it until it is worth n
 import secrets
 from typing import Final
 
+from live.control.audience.phone_registry import MOST_SERIAL, Voucher, ticket_key, ticket_of, voucher_of, voucher_text
 from live.control.audience.rate_limit import Bucket
-from live.control.audience.tokens import MOST_SERIAL, Voucher, ticket_key, ticket_of, voucher_of, voucher_text
 
 LOADS: Final = 20.0
 """A page has loaded so soon [s] after its code was read."""

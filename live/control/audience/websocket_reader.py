@@ -7,9 +7,9 @@ is longer, in parts, not masked or reserved ends the connection. What is sent go
 import asyncio
 from typing import Any, Final
 
-from live.control.audience.hall import Hall
-from live.control.audience.phones import Phone
+from live.control.audience.phone_registry import Phone
 from live.control.audience.rate_limit import Why
+from live.control.audience.session_state import Hall
 
 BINARY: Final = 0x82
 TEXT: Final = 0x81

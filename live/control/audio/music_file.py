@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.tracking.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
-from live.control.audio.audio_analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
 from live.control.events.events import ControlEvent, One, SourceChanged
 
 LONGEST: Final = 3.0 * 3600.0

@@ -6,13 +6,13 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.event_queue import Inbox
 from live.base.fault_isolation import keep_running
-from live.base.inbox import Inbox
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
-from live.control.audio.audio_analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio.devices import SoundUnavailable, close_stream, find_device, open_stream
 from live.control.audio.music_file import TOLD_AHEAD, Music
-from live.control.audio.sound_devices import SoundUnavailable, close_stream, find_device, open_stream
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 
 POLL: Final = 0.010

@@ -62,12 +62,10 @@ from live.control.events.groups import (
     SetStage,
     Travel,
 )
-from live.control.events.machine_events import BreakerTripped, ResetBreaker, TakeOver
 from live.control.events.midi import ForgetMidi, LearnMidi, NotesHeard
 from live.control.events.motion import AskWhy, CallStep, Clear, SetFacing, SetMotion, SetSequence, StepNow, StepsAdded
 from live.control.events.output import AllowFlashes, FadePicture, FreezePicture, HoldQuality, ShowCard
 from live.control.events.partners import PairPartner, SetPartner, WalkOn
-from live.control.events.patch_events import PatchChanged, StepsChanged
 from live.control.events.scenes import (
     Accompany,
     FollowSpot,
@@ -80,6 +78,7 @@ from live.control.events.scenes import (
     StoreScene,
 )
 from live.control.events.score import Advance, HoldScore, Improvise, JumpTo, Practice, Signal
+from live.control.events.system import BreakerTripped, PatchChanged, ResetBreaker, StepsChanged, TakeOver
 
 __all__ = [
     "EVENT_TYPES",

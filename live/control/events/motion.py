@@ -49,7 +49,7 @@ class SetMotion(ControlEvent):
     """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
 
     parameter: str
-    """A field of `live.show.dancers.variety.Variety`."""
+    """A field of `live.show.dancers.variation.Variety`."""
     value: float
     group: str = ""
 

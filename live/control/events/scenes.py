@@ -7,7 +7,7 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetPicture(ControlEvent):
-    """A parameter of the picture goes to a new value: a number, a colour or a place (`live.base.picture`)."""
+    """A parameter of the picture goes to a new value: a number, a colour or a place (`picture_parameters`)."""
 
     parameter: str
     """Its address."""

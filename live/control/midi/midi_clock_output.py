@@ -13,9 +13,8 @@ from live.clock.midi.midi_clock import STOP
 from live.clock.midi.pulse_schedule import PulseSchedule
 from live.clock.time_source import Clock
 from live.clock.timeline import Timeline
-from live.control.midi import midi_port_thread
-from live.control.midi.midi_port_thread import Open, PortThread, words_of
-from live.control.midi.midi_ports import open_output
+from live.control.midi import midi_ports
+from live.control.midi.midi_ports import Open, PortThread, open_output, words_of
 from live.control.midi.midi_streams import Port
 from live.control.realtime_priority import hurry
 
@@ -55,7 +54,7 @@ class MidiClockOut(PortThread):
         self._clock = clock
         self._schedule = PulseSchedule()
         self._timeline: Timeline | None = None
-        self._looked = -midi_port_thread.RETRY
+        self._looked = -midi_ports.RETRY
         self._near = NEAR
         self._switch_interval = sys.getswitchinterval()
 
@@ -112,7 +111,7 @@ class MidiClockOut(PortThread):
             return
         due = self._schedule.due(timeline, now)
         left = due.time - now
-        if left > TAKES and now - self._looked >= midi_port_thread.RETRY:
+        if left > TAKES and now - self._looked >= midi_ports.RETRY:
             self._look(now)
             return
         if left > self._near:
@@ -139,7 +138,7 @@ class MidiClockOut(PortThread):
 
     def _look(self, now: float) -> None:
         """See that the port is open, if it is time to."""
-        if now - self._looked >= midi_port_thread.RETRY:
+        if now - self._looked >= midi_ports.RETRY:
             self._looked = now
             self._care()
 

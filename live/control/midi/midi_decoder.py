@@ -7,8 +7,7 @@ It has no port, thread or clock: messages come with their times, from a port (`M
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy

@@ -2,11 +2,17 @@
 
 A pad is told how its switch stands, whoever turned it over: it does not know by itself. A fader is told where it
 belongs, but not while a hand moves it, nor what the hand has just set.
+
+MidiOutput: messages to one MIDI port by name, sent by its thread.
 """
 
+import contextlib
+import queue
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Final
+from typing import Any, Final
 
+from live.clock.time_source import Clock
+from live.control.midi import midi_ports
 from live.control.midi.channel_messages import (
     BEND,
     CONTROLLER,
@@ -21,7 +27,8 @@ from live.control.midi.channel_messages import (
 )
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_mapping import MidiMap, key, present
-from live.control.registry.values import Values
+from live.control.midi.midi_ports import Open, PortThread, open_output, words_of
+from live.control.registry.registry import Values
 
 OWN: Final = 1.0
 """Seconds after its last move in which a fader is not told anything."""
@@ -127,3 +134,57 @@ def _messages(binding: Binding, channel: int, numbers: tuple[int, ...]) -> Itera
         yield bytes((controller, binding.number, numbers[0]))
         if binding.fine:
             yield bytes((controller, binding.number + 32, numbers[1]))
+
+
+LOOK: Final = 0.2
+"""Seconds between two looks whether an open port still is."""
+WAITING_MAX: Final = 512
+"""Messages that may wait; more are counted and dropped."""
+WAITS: Final = 0.1
+
+
+class MidiOutput(PortThread):
+    """Thread: `send` from the show's; `start` and `stop` from the one that made it."""
+
+    def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
+        """Nothing is opened yet; a port that is not there is waited for."""
+        super().__init__(name, "midi out", open_by_name)
+        self.sent = 0
+        self.dropped = 0
+        """Messages that waited too long, or were sent into nothing."""
+        self._clock = clock
+        self._waiting: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def send(self, message: bytes) -> None:
+        """Send a message soon; never blocks."""
+        if self._waiting.qsize() >= WAITING_MAX:
+            self.dropped += 1
+            return
+        self._waiting.put(message)
+
+    def facts(self) -> dict[str, Any]:
+        """For the status line."""
+        return super().facts() | {"sent": self.sent, "dropped": self.dropped}
+
+    def _run(self) -> None:
+        due = self._clock.now()
+        try:
+            while not self._stop.is_set():
+                if self._clock.now() >= due:
+                    self._care()
+                    due = self._clock.now() + (midi_ports.RETRY if self._port is None else LOOK)
+                with contextlib.suppress(queue.Empty):
+                    self._say(self._waiting.get(timeout=WAITS))
+        finally:
+            self._lose("")
+
+    def _say(self, message: bytes) -> None:
+        if self._port is None:
+            self.dropped += 1
+            return
+        try:
+            self._port.send(message)
+            self.sent += 1
+        except Exception as error:  # the port has gone
+            self.dropped += 1
+            self._lose(words_of(error))

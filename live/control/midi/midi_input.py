@@ -9,18 +9,16 @@ import queue
 from collections.abc import Sequence
 from typing import Any, Final
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 from live.clock.midi.midi_clock import MidiClock
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
-from live.control.midi import midi_port_thread
+from live.control.midi import midi_ports
 from live.control.midi.midi_decoder import MidiDecoding
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_port_thread import Open, PortThread, words_of
-from live.control.midi.midi_ports import open_port
+from live.control.midi.midi_ports import Open, PortThread, open_port, words_of
 from live.control.midi.midi_streams import Port
 
 LOOK: Final = 0.2
@@ -123,7 +121,7 @@ class MidiInput(MidiDecoding, PortThread):
                     if not self._is_there():
                         due = now
                 if now >= due:
-                    due = now + midi_port_thread.RETRY
+                    due = now + midi_ports.RETRY
                     self._care()
         finally:
             self._close()

@@ -2,6 +2,8 @@
 
 A key or pad that is struck is meant at once; a fader, wheel or bend once it has moved far enough that it cannot
 be noise: the first to have gone so far. A controller whose partner 32 higher moves along is a pair of 14 bits.
+
+Pickup: soft take-over: a fader does nothing until it comes to the value that is there, so that nothing jumps.
 """
 
 from collections.abc import Mapping
@@ -15,7 +17,7 @@ from live.control.registry.registry import REGISTRY
 
 WIGGLED: Final = 0.05
 """Share of its way that a fader must have gone."""
-OWN: Final = frozenset((6, 38, 96, 97, 98, 99, 100, 101, *range(120, 128)))
+RESERVED_CONTROLLERS: Final = frozenset((6, 38, 96, 97, 98, 99, 100, 101, *range(120, 128)))
 """Controllers that mean something of their own: data entry, numbers of parameters, modes of the channel."""
 
 
@@ -46,7 +48,7 @@ class MidiLearn:
         for one in played:
             if one.fine and one.kind == "cc":
                 continue  # told with its own seven bits, too
-            if one.kind == "cc" and one.number in OWN:
+            if one.kind == "cc" and one.number in RESERVED_CONTROLLERS:
                 continue
             if one.kind in MOVING:
                 found = self._moved(one)
@@ -128,3 +130,41 @@ def _value(control: Control, name: str, text: str) -> Plain:
         return float(text)
     except ValueError:
         raise BadBinding(f"{name}: {argument.expected} expected, found {text!r}") from None
+
+
+IN_FLIGHT: Final = 1.0
+"""Seconds in which a value that was set may be on its way there: until then nobody else is thought to have set it."""
+CLOSE: Final = 2.0
+"""Steps of the fader by which a value may differ and be the same."""
+
+
+@dataclass(slots=True)
+class Pickup:
+    """One fader and the value that it sets; all as places of the fader, 0 to 1. Thread: one at a time."""
+
+    held: bool = False
+    """Whether the fader has the value."""
+    sent: float = 0.0
+    at: float = 0.0
+    """What it set last, and when [s]."""
+    begun: float = 0.0
+    """The value when that was set: a value that fades is between the two."""
+    before: float | None = None
+    """Where the fader was last."""
+
+    def takes(self, share: float, present: float, step: float, time: float, *, fades: bool = False) -> bool:
+        """Whether the fader, which is at `share` now, sets the value, which is `present`; to be told if it does.
+
+        `fades`: what it sets takes a while to come.
+        """
+        before, self.before = self.before, share
+        near = CLOSE * step
+        if self.held and time - self.at > IN_FLIGHT:
+            low, high = sorted((self.begun, self.sent)) if fades else (self.sent, self.sent)
+            self.held = low - near <= present <= high + near
+        if not self.held:
+            crossed = before is not None and min(before, share) <= present <= max(before, share)
+            self.held = crossed or abs(share - present) <= near
+        if self.held:
+            self.sent, self.at, self.begun = share, time, present
+        return self.held

@@ -11,11 +11,10 @@ from typing import Final
 from live.control.events.events import ControlEvent
 from live.control.midi.channel_messages import MidiHands, Played
 from live.control.midi.midi_binding import DEFAULTS, MOVING, BadBinding, Binding, Kind
-from live.control.midi.midi_pickup import Pickup
+from live.control.midi.midi_learn import Pickup
 from live.control.registry.control import Control, Plain
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import REGISTRY, Values
 from live.control.registry.rejections import Rejection
-from live.control.registry.values import Values
 
 __all__ = ["DEFAULTS", "BadBinding", "Binding", "Kind", "MidiMap", "key", "present"]
 

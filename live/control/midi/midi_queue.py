@@ -1,6 +1,6 @@
 """What hands do on a MIDI port, in a lane of its own: of a fader's values that nobody has taken yet the last counts."""
 
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.control.events.events import ControlEvent
 from live.control.midi.midi_binding import Binding
 from live.control.registry.control import Control

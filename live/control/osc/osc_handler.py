@@ -7,17 +7,15 @@ import time as _time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.control.events.events import ControlEvent
-from live.control.osc.osc_decode import IMMEDIATELY, Message, OscRejected, Value, decode
-from live.control.osc.osc_encode import bundles, encode
+from live.control.osc.osc_codec import IMMEDIATELY, Message, OscRejected, Value, bundles, decode, encode
 from live.control.osc.osc_pattern import BadPattern, Matcher, is_pattern
 from live.control.osc.osc_scheduler import Later
 from live.control.osc.osc_subscriptions import Subscribers, Where, is_near
 from live.control.registry.control import RANKS, Control, Reply, Request, Role
-from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.registry import READABLE, REGISTRY, Registry, Values
 from live.control.registry.rejections import Reason, Rejection, Tally
-from live.control.registry.values import READABLE, Values
 
 SOURCE: Final = "osc"
 MUSICIANS_SOURCE: Final = "osc musician"

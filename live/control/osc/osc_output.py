@@ -18,7 +18,7 @@ import numpy as np
 from live.clock.time_source import Clock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.helper_process import Told
-from live.control.osc.osc_encode import bundles, encode
+from live.control.osc.osc_codec import bundles, encode
 
 OUT: Final = "/dance/out/"
 SENT: Final = (

@@ -6,7 +6,7 @@ while.
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.control.osc.osc_decode import MAX_PACKET_BYTES, MAX_STRING_BYTES
+from live.control.osc.osc_codec import MAX_PACKET_BYTES, MAX_STRING_BYTES
 from live.control.registry.control import Control
 from live.control.registry.registry import Registry
 from live.control.registry.rejections import Reason, Rejection, Tally

@@ -14,8 +14,7 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, Final
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 from live.base.processing_budget import Allowance
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock, SystemClock
@@ -25,7 +24,7 @@ from live.control.helper_process import Helper, Told
 from live.control.message_codec import packet_of
 from live.control.osc.osc_server import OscInput
 from live.control.osc.osc_socket import bound_socket, dropped_by
-from live.control.registry.values import Changes
+from live.control.registry.registry import Changes
 
 PACE: Final = 0.5 * TICK
 """A packet is sent no sooner than so long [s] after the last: with the wait for the frame that is less than a frame

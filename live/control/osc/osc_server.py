@@ -13,19 +13,18 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
+from live.base.event_queue import Lane
 from live.base.fault_isolation import keep_running
-from live.base.lane import Lane
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
-from live.control.osc.osc_decode import MAX_PACKET_BYTES
+from live.control.osc.osc_codec import MAX_PACKET_BYTES
 from live.control.osc.osc_handler import OscDoor
 from live.control.osc.osc_prefilter import OscSieve
 from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_by
 from live.control.osc.udp_batch import AT_A_TIME, Datagrams
 from live.control.registry.control import Role
-from live.control.registry.registry import REGISTRY, Registry
+from live.control.registry.registry import REGISTRY, Changes, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
-from live.control.registry.values import Changes
 
 __all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
 

@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from live.control.osc.osc_encode import bundles, encode
+from live.control.osc.osc_codec import bundles, encode
 from live.control.registry.control import Plain
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import READABLE, Rows, Values
+from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
 
 MOST: Final = 16
 MOST_PARTS: Final = 16

@@ -16,11 +16,12 @@ from aiohttp import WSMsgType, web
 
 from live.base.fault_isolation import FAULTS
 from live.control.helper_process import Told
-from live.control.osc.osc_encode import bundles, encode
+from live.control.osc.osc_codec import bundles, encode
 from live.control.osc.oscquery_tree import Namespace, host_info
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import READABLE, Rows, Values
-from live.control.web.http_guard import (
+from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
+from live.control.web.mdns import Announcement, service_host
+from live.control.web.task_guard import keep_task
+from live.control.web.web_server import (
     HEARTBEAT,
     SECURITY_HEADERS,
     BoundedServer,
@@ -28,8 +29,6 @@ from live.control.web.http_guard import (
     is_own,
     serve,
 )
-from live.control.web.mdns import Announcement, service_host
-from live.control.web.task_guard import keep_task
 
 MOST_CLIENTS: Final = 32
 MOST_OF_ONE: Final = 16

@@ -8,9 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from live.control.registry.control import Argument, Control, Plain
-from live.control.registry.readings import READINGS, Reading
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import Values
+from live.control.registry.registry import READINGS, REGISTRY, Reading, Values
 
 ATTRIBUTES: Final = (
     "FULL_PATH", "CONTENTS", "TYPE", "ACCESS", "VALUE", "RANGE", "DESCRIPTION", "TAGS", "UNIT", "CLIPMODE", "CRITICAL",

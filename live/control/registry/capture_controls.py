@@ -3,8 +3,7 @@
 from typing import Final
 
 from live.control.events import capture as events
-from live.control.registry.arguments import X, Z
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import Argument, Control, X, Z
 
 _WHO: Final = Argument(
     "performer", "name", "her name in the patch; `live` where it names none. Also in the address: /dance/mocap/NAME/..."

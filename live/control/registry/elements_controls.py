@@ -5,8 +5,7 @@ from typing import Final
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.arguments import MEASURES, NEXT, POINTS, STRENGTH, WHO, X2, Z2, X, Z
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import MEASURES, NEXT, POINTS, STRENGTH, WHO, X2, Z2, Argument, Control, X, Z
 
 _USUAL: Final = (STRENGTH, MEASURES, WHO, NEXT)
 _RADIUS: Final = Argument("radius", "float", "how far the region reaches", "m", 0.1, 50)

@@ -3,8 +3,7 @@
 from typing import Final
 
 from live.control.events import events
-from live.control.registry.arguments import GROUP, NEXT, POINTS, WHO, X2, Z2, X, Z
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import GROUP, NEXT, POINTS, WHO, X2, Z2, Argument, Control, X, Z
 
 _WHOLE: Final = Argument("measures", "float", "how many measures it takes", "measures", 0.25, 64, 4.0)
 _FORMATION: Final = Argument(

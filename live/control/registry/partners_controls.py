@@ -5,8 +5,7 @@ from typing import Final
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.arguments import X, Z
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import Argument, Control, X, Z
 
 _PARTNER: Final = Argument("partner", "name", "the partner's name in the patch; a single * is every one", default="*")
 

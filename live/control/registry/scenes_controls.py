@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from typing import Final
 
-from live.base.lights import SPOTS
-from live.base.picture import OF_GROUPS, PARAMETERS, PictureParameter
+from live.base.picture_parameters import OF_GROUPS, PARAMETERS, SPOTS, PictureParameter
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.arguments import GROUP
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import GROUP, Argument, Control
 
 _MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
 _OWN: Final = Argument(

@@ -4,8 +4,7 @@ from typing import Final
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.arguments import GROUP
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import GROUP, Argument, Control
 
 MOST_MEASURES: Final = 100_000
 

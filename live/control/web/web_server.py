@@ -4,38 +4,342 @@ The page is made of the registry (`Surface`). What is moved there goes to the sh
 program, so that it is checked, ranked, counted and written to the journal there. The page itself says nothing about
 the show. Everything else needs the key, in a header that no page of another site can send: `Authorization: Bearer KEY`,
 or where a browser opens the WebSocket, the subprotocols `live.operator, live.key.KEY`.
+
+What every HTTP server of a show has in common: the names that it may be asked by, how long it waits, for how many.
+
+A browser sends the name that it was led by (`Host`) and the page that asks (`Origin`). A name of somebody else's that
+leads here (DNS rebinding), and a page of another site (cross-site requests), are known by these.
 """
 
 import asyncio
+import base64
+import functools
+import hashlib
+import ipaddress
 import json
+import logging
+import re
 import secrets
 import socket
 import sys
-from dataclasses import asdict
+from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from aiohttp import WSMsgType, web
+from aiohttp.http import HttpProcessingError
+from aiohttp.web_protocol import RequestHandler
 
 from live.base.fault_isolation import FAULTS
 from live.control.helper_process import Told
 from live.control.layouts.surface import make_surface
-from live.control.osc.osc_encode import encode
+from live.control.osc.osc_codec import encode
 from live.control.registry.control import Plain
-from live.control.registry.readings import READINGS
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import READABLE, READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
-from live.control.registry.values import READABLE, Values
-from live.control.web.http_guard import (
-    HEARTBEAT,
-    SECURITY_HEADERS,
-    BoundedServer,
-    FailedKeys,
-    is_own,
-    page_headers,
-    serve,
-)
 from live.control.web.task_guard import keep_task
+
+REQUEST_WITHIN: Final = 5.0
+"""A request has come whole and its answer has gone so soon [s] after the connection was made, or after the answer to
+the one before; else the connection is closed."""
+MOST_WAITING: Final = 384
+"""Connections that are no open WebSocket; with one more, one is closed."""
+MOST_OF_ONE: Final = 128
+"""The same of one address (of one /64 of IPv6)."""
+AT_ONCE: Final = 16
+"""Connections that are accepted in one turn of the loop: so few that whoever asks at once has been read, some turns
+later, before MOST_OF_ONE others have come."""
+BACKLOG: Final = 1024
+"""Connections that the system keeps until they are accepted."""
+HEARTBEAT: Final = 4.0
+"""Seconds between two pings to an open WebSocket; who does not answer within half of it is left."""
+FREE_FAILURES: Final = 10
+FAILURES_PER_SECOND: Final = 0.5
+"""Wrong keys of one address that are answered at once: so many, and then so many more a second."""
+HELD: Final = 1.0
+"""All others are answered so much later [s],"""
+MOST_HELD: Final = 8
+"""at most so many at a time: beyond them connections are dropped."""
+MOST_GROUPS: Final = 4096
+"""Addresses whose failures are remembered."""
+
+SECURITY_HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+"""Of every answer; a page needs `page_headers`."""
+
+Answer = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
+
+
+def _of_our_own(record: logging.LogRecord) -> bool:
+    """Whether what went wrong is a fault of this program: what comes from a network is answered, not written down."""
+    return record.exc_info is None or not isinstance(record.exc_info[1], HttpProcessingError | ConnectionError)
+
+
+_LOGGER: Final = logging.getLogger("live.http")
+_LOGGER.addFilter(_of_our_own)
+
+
+@functools.lru_cache(maxsize=16)
+def page_headers(html: str, host: str) -> dict[str, str]:
+    """The headers of a page of one file: its own scripts and styles run, no others, and it asks this server alone.
+
+    `host`: an accepted Host; not every browser takes 'self' to mean the WebSocket of the same server, too.
+    """
+
+    def hashes(tag: str) -> str:
+        found = re.findall(rf"<{tag}>(.*?)</{tag}>", html, flags=re.DOTALL)
+        made = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in found)
+        return " ".join(f"'sha256-{each}'" for each in made) or "'none'"
+
+    policy = (
+        f"default-src 'none'; script-src {hashes('script')}; style-src {hashes('style')}; "
+        f"connect-src 'self' ws://{host} wss://{host}; img-src data:; base-uri 'none'; form-action 'none'; "
+        "frame-ancestors 'none'"
+    )
+    return {**SECURITY_HEADERS, "Content-Security-Policy": policy}
+
+
+# -- by which names --------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def mdns_name() -> str:
+    """The name of this machine in its own network."""
+    return socket.gethostname().partition(".")[0].casefold() + ".local"
+
+
+@functools.lru_cache(maxsize=64)
+def accepted_hosts(address: str, port: int, names: tuple[str, ...] = ()) -> frozenset[str]:
+    """The Host headers that a server accepts on a connection that was made to its `address` and `port`.
+
+    These are the address itself, localhost where it is loopback and else this machine's name in its network, and
+    `names`, each a host or host:port.
+    """
+    ip = ipaddress.ip_address(address.partition("%")[0])
+    ip = getattr(ip, "ipv4_mapped", None) or ip
+    hosts = {f"[{ip}]" if ip.version == 6 else str(ip)}
+    hosts |= {"127.0.0.1", "[::1]", "localhost"} if ip.is_loopback else {mdns_name()}
+    plain = re.compile(r"(\[[^]]*\]|[^:]*)")
+    hosts |= {name.casefold() for name in names if plain.fullmatch(name)}
+    whole = {name.casefold() for name in names if not plain.fullmatch(name)} | {f"{host}:{port}" for host in hosts}
+    for usual in (80, 443):  # where a browser leaves the port out
+        whole |= {name.removesuffix(f":{usual}") for name in whole if name.endswith(f":{usual}")}
+    return frozenset(whole)
+
+
+def is_own(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
+    """Whether a program asks, or a page of this very server, by one of its names: no page of another site."""
+    hosts, origins = request.headers.getall("Host", []), request.headers.getall("Origin", [])
+    at = None if request.transport is None else request.transport.get_extra_info("sockname")
+    if at is None or len(hosts) != 1 or len(origins) > 1:
+        return False
+    host = hosts[0].casefold()
+    if host not in accepted_hosts(str(at[0]), int(at[1]), tuple(names)):
+        return False
+    return not origins or origins[0].casefold() in (f"http://{host}", f"https://{host}")
+
+
+def is_ours(host: str, link_host: str = "") -> bool:
+    """Whether a Host header names this machine: by number, as localhost or .local, or as its own link does.
+
+    For the phones' gateway, which has a key of its own; `is_own` is what others ask.
+    """
+    if len(host) > 255:
+        return False
+    name = re.sub(r":\d{1,5}$", "", host).casefold()
+    if host.casefold() == link_host.casefold() != "" or name == "localhost":
+        return True
+    if re.fullmatch(r"[a-z0-9-]+\.local", name):
+        return True
+    try:
+        ipaddress.ip_address(name.removeprefix("[").removesuffix("]"))
+    except ValueError:
+        return False
+    return True
+
+
+def address_group(address: str) -> str:
+    """The address of one sender: of IPv6 the /64, for a device has as many addresses in it as it wants."""
+    try:
+        ip = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    ip = getattr(ip, "ipv4_mapped", None) or ip
+    return str(ip) if ip.version == 4 else str(ipaddress.ip_network((int(ip), 64), strict=False))
+
+
+# -- wrong keys ------------------------------------------------------------------------------------------------------
+
+
+class FailedKeys:
+    """Wrong keys are answered more and more slowly; a right one always at once: nobody is locked out. Thread: a loop's.
+
+    What keeps a key from being guessed is its length; this keeps guessing slow and cheap.
+    """
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        """`now`: monotonic seconds."""
+        self._now = now
+        self._left: dict[str, tuple[float, float]] = {}
+        self._held: dict[str, int] = {}
+        self.count = 0
+
+    def may_answer(self, group: str) -> bool:
+        """Count a wrong key; whether it may be answered at once."""
+        now = self._now()
+        left, at = self._left.pop(group, (float(FREE_FAILURES), now))
+        left = min(left + (now - at) * FAILURES_PER_SECOND, float(FREE_FAILURES))
+        self._left[group] = (max(left - 1.0, 0.0), now)
+        if len(self._left) > MOST_GROUPS:
+            del self._left[next(iter(self._left))]  # who has failed longest ago
+        self.count += 1
+        return left >= 1.0
+
+    async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
+        """The answer to a request with a wrong key, or with none."""
+        group = address_group(request.remote or "")
+        if self.may_answer(group):
+            return web.Response(status=401, headers=SECURITY_HEADERS)
+        if self._held.get(group, 0) >= MOST_HELD:
+            if request.transport is not None:
+                request.transport.abort()
+            return web.Response(status=429)
+        self._held[group] = self._held.get(group, 0) + 1
+        try:
+            await asyncio.sleep(HELD)
+        finally:
+            self._held[group] -= 1
+            if not self._held[group]:
+                del self._held[group]
+        response = web.Response(status=429, headers={**SECURITY_HEADERS, "Retry-After": "5"})
+        response.force_close()
+        return response
+
+
+# -- how long, and how many ------------------------------------------------------------------------------------------
+
+
+@dataclass(eq=False, slots=True)
+class _Connection:
+    """One connection that is no open WebSocket."""
+
+    group: str
+    transport: asyncio.Transport
+    timer: asyncio.TimerHandle
+    asks: bool = False
+    """Whether a whole request has come that is not answered yet."""
+
+
+class BoundedServer(web.Server):
+    """aiohttp's server that waits for nobody longer than REQUEST_WITHIN, and never turns a new connection away.
+
+    Half-open connections, slow headers, slow bodies and answers that nobody reads are closed. When there are too many,
+    one goes of the address that has the most: one that asks for nothing yet, the oldest. So whoever opens thousands
+    closes only his own, and who asks at once is answered, even from the same address. Thread: a loop's.
+    """
+
+    def __init__(
+        self, answer: Answer, *, most: int = MOST_WAITING, most_of_one: int = MOST_OF_ONE,
+        within: float = REQUEST_WITHIN,
+    ) -> None:  # fmt: skip
+        """`answer`: what is done with a request that has no body; one with a body is refused."""
+        super().__init__(
+            self._answered, keepalive_timeout=within, lingering_time=0.0, access_log=None, logger=_LOGGER,
+            auto_decompress=False,
+        )  # fmt: skip
+        self._most, self._most_of_one, self._within = most, most_of_one, within
+        self._handle = answer
+        self._waiting: dict[RequestHandler, _Connection] = {}
+        self._of_group: dict[str, dict[RequestHandler, None]] = {}
+        self.dropped = 0
+        """Connections that were closed because they were late, or too many."""
+
+    def connection_made(self, handler: RequestHandler, transport: asyncio.Transport) -> None:
+        """One more; maybe another one has to go."""
+        super().connection_made(handler, transport)
+        peer: Any = transport.get_extra_info("peername") or ("",)
+        group = address_group(str(peer[0]))
+        timer = asyncio.get_running_loop().call_later(self._within, self._late, handler)
+        self._waiting[handler] = _Connection(group, transport, timer)
+        self._of_group.setdefault(group, {})[handler] = None
+        if len(self._of_group[group]) > self._most_of_one:
+            self._drop_one_of(group)
+        elif len(self._waiting) > self._most:
+            self._drop_one_of(max(self._of_group, key=lambda each: len(self._of_group[each])))
+
+    def connection_lost(self, handler: RequestHandler, exc: BaseException | None = None) -> None:
+        """One less."""
+        super().connection_lost(handler, exc)
+        self._forget(handler)
+
+    def keep(self, request: web.BaseRequest) -> None:
+        """A WebSocket was opened: from now on its own pings say whether somebody is there."""
+        self._forget(request.protocol)
+
+    @property
+    def waiting(self) -> int:
+        """Connections that are no open WebSocket."""
+        return len(self._waiting)
+
+    def _forget(self, handler: RequestHandler) -> None:
+        connection = self._waiting.pop(handler, None)
+        if connection is None:
+            return
+        connection.timer.cancel()
+        group = self._of_group[connection.group]
+        del group[handler]
+        if not group:
+            del self._of_group[connection.group]
+
+    def _drop_one_of(self, group: str) -> None:
+        of_group = self._of_group[group]
+        self._drop(next((each for each in of_group if not self._waiting[each].asks), next(iter(of_group))))
+
+    def _late(self, handler: RequestHandler) -> None:
+        if handler in self._waiting:
+            self._drop(handler)
+
+    def _drop(self, handler: RequestHandler) -> None:
+        connection = self._waiting[handler]
+        self._forget(handler)
+        self.dropped += 1
+        connection.transport.abort()
+
+    async def _answered(self, request: web.BaseRequest) -> web.StreamResponse:
+        connection = self._waiting.get(request.protocol)
+        if connection is not None:
+            connection.asks = True
+        try:
+            if request.body_exists:  # nothing here reads one
+                refused = web.Response(status=413, headers=SECURITY_HEADERS)
+                refused.force_close()
+                return refused
+            return await self._handle(request)
+        finally:
+            connection = self._waiting.get(request.protocol)
+            if connection is not None:
+                connection.asks = False
+                connection.timer.cancel()
+                loop = asyncio.get_running_loop()
+                connection.timer = loop.call_later(self._within, self._late, request.protocol)
+
+
+async def serve(server: BoundedServer, listening: socket.socket) -> web.ServerRunner:
+    """Begin to accept; whoever is given back is to be cleaned up."""
+    runner = web.ServerRunner(server, handle_signals=False)
+    await runner.setup()
+    await web.SockSite(runner, listening, backlog=AT_ONCE).start()
+    listening.listen(BACKLOG)  # the loop has taken its backlog for both
+    return runner
+
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 16

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.transition import all_pairs, transition_windows
+from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import MotionGraph
 from live.graph.transition_rules import begun_side, plain_pose
 

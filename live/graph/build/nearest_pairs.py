@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.flat import FlatClouds
+from live.graph.build.metric import FlatClouds
 from live.graph.build.metric_kernels import pair_products, sieve_block
 
 Float64 = npt.NDArray[np.float64]

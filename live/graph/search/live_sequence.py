@@ -110,7 +110,7 @@ class LiveSequence:
         """After how many measures of anything, at most `patience`, dancers in `nodes` (A,) can dance what is wanted.
 
         None if that is not possible for all of them: then the dance that is danced had better go on, and
-        `live.graph.search.missing` tells why. Dancers within a step first finish it.
+        `live.graph.search.path_diagnostics` tells why. Dancers within a step first finish it.
         """
         library = self._graph.library
         at = nodes + library.node_measures[nodes] - 1 - library.node_measure[nodes]

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.layers_kernels import cheapest_on
+from live.graph.distance_kernels import cheapest_on
 from live.graph.search.sequence_spec import Specification
 
 Float64 = npt.NDArray[np.float64]

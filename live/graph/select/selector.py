@@ -7,10 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import QUICKEST_TURN, Candidates, find_candidates, widening
-from live.graph.select.placing import wrapped
+from live.graph.select.candidates import QUICKEST_TURN, Candidates, find_candidates, widening, wrapped
+from live.graph.select.reachability import Ways
 from live.graph.select.selector_kernels import choose_measures
-from live.graph.select.ways import Ways
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.capture.bringing_kernels import bring_over
+from live.motion.capture.capture_kernels import bring_over
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON, SOLE_BELOW_ANKLE

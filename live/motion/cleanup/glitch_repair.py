@@ -7,8 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.cleanup.glitches import Glitch
-from live.motion.cleanup.shocks import find_shocks
+from live.motion.cleanup.glitch_detection import Glitch, find_shocks
 from live.motion.formats.source_motion import Float64, SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 

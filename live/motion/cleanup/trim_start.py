@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from live.motion.formats.source_motion import Float64
-from live.motion.retarget.body_tracks import SIDES, BodyTracks
+from live.motion.retarget.body_tracks import BODY_SIDES, BodyTracks
 
 LEVEL: Final = 0.35
 """Sine of the largest angle between a T-pose's arm and the horizontal."""
@@ -57,7 +57,7 @@ def find_beginning(tracks: BodyTracks) -> Beginning:
 
 def _is_t_pose(tracks: BodyTracks) -> bool:
     arms: list[Float64] = []
-    for side, palm in zip(SIDES, tracks.palms[0].copy(), strict=True):
+    for side, palm in zip(BODY_SIDES, tracks.palms[0].copy(), strict=True):
         shoulder = tracks.column(side + "UpperArm")
         arm = palm - tracks.positions[0, 0 if shoulder is None else shoulder]
         arms.append(arm / max(float(np.linalg.norm(arm)), 1e-9))

@@ -7,14 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.editing.feet import ANKLES, BALLS
-from live.motion.editing.legs import reach_with_feet
+from live.motion.clip import read_clip
+from live.motion.editing.foot_correction import ANKLES, BALLS, reach_with_feet
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.same_step import check_same_structure, samples_in
-from live.motion.sampling import read_clip
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip
-from live.motion.step_figures import measured_direction, measured_distance
+from live.motion.step_clip import StepClip, check_same_structure, measured_direction, measured_distance, samples_in
 
 Float = npt.NDArray[np.floating]
 

@@ -7,12 +7,11 @@ from typing import Final
 import numpy as np
 
 from live.motion import quaternion
-from live.motion.euler import euler_to_quaternion
 from live.motion.formats.acclaim_skeleton import AcclaimSkeleton, Float64
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, read_number, shown
-from live.motion.formats.motion_size import VALUE_LIMIT, refuse_too_large
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, read_number, shown, words_of_lines
+from live.motion.formats.file_report import VALUE_LIMIT, refuse_too_large
 from live.motion.formats.source_motion import FileWarning, SourceMotion
-from live.motion.formats.text_lines import words_of_lines
+from live.motion.quaternion import euler_to_quaternion
 
 USUAL_RATE: Final = 120.0
 """Frames per second of the CMU library: AMC files hardly ever say theirs."""

@@ -18,9 +18,8 @@ from live.motion.formats.bvh_kernels import (
     WRONG_PLACE,
     scan_numbers,
 )
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
-from live.motion.formats.motion_size import VALUE_LIMIT
-from live.motion.formats.text_lines import line_ends
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, line_ends, shown
+from live.motion.formats.file_report import VALUE_LIMIT
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]

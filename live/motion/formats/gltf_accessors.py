@@ -10,9 +10,8 @@ from urllib.parse import unquote
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.container import GltfFile
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
-from live.motion.formats.json_place import JsonPlace
+from live.motion.formats.gltf_document import GltfFile, JsonPlace
 
 Float64 = npt.NDArray[np.float64]
 Resolve = Callable[[str], bytes]

@@ -1,5 +1,9 @@
-"""Clips as GLB files: joints under their VRM names, a skin with a figure of bones, one animation (glTF 2.0)."""
+"""Clips as GLB files: joints under their VRM names, a skin with a figure of bones, one animation (glTF 2.0).
 
+A figure of bones for files: a spindle from each joint to the next, so that a viewer shows something.
+"""
+
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -7,10 +11,65 @@ import numpy.typing as npt
 import pygltflib as gltf
 
 from live.motion import quaternion
-from live.motion.clip import Clip
-from live.motion.formats.bone_figure import bone_figure
-from live.motion.resample import resample
-from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.motion.clip import Clip, resample
+from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
+
+_BELLY: Final = 0.2
+"""Part of the bone's length at which it is thickest."""
+_THICKNESS: Final = 0.14
+"""Half its width there as a part of its length."""
+_FACES: Final = np.array(
+    ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1), (5, 2, 1), (5, 3, 2), (5, 4, 3), (5, 1, 4)), np.int64
+)
+"""Triangles of a spindle, counterclockwise seen from outside: joint 0, belly 1 to 4, end 5."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoneFigure:
+    """V corners of triangles in the rest pose, each moved by one joint alone; faces are flat, so none are shared."""
+
+    positions: npt.NDArray[np.float32]
+    """[m], shape (V, 3)."""
+    normals: npt.NDArray[np.float32]
+    """Unit, shape (V, 3)."""
+    joints: npt.NDArray[np.uint8]
+    """The joint that moves the corner, then three unused, shape (V, 4)."""
+    weights: npt.NDArray[np.float32]
+    """1 for the first, shape (V, 4)."""
+    indices: npt.NDArray[np.uint16]
+    """Three for each triangle, shape (V,)."""
+
+
+def bone_figure() -> BoneFigure:
+    """Spindles for all bones of the engine's skeleton, tips of head, hands and toes among them."""
+    rest = SKELETON.rest_positions().astype(np.float64)
+    bones = [(int(SKELETON.parents[joint]), rest[joint]) for joint in range(1, SKELETON.joint_count)]
+    bones += [(joint, rest[joint] + tip) for joint, tip in BONE_TIPS.items()]
+    corners = np.concatenate([_spindle(rest[joint], end)[_FACES] for joint, end in bones])
+    normals = quaternion.unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    count = 3 * len(corners)
+    joints = np.zeros((count, 4), np.uint8)
+    joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * len(_FACES))
+    weights = np.zeros((count, 4), np.float32)
+    weights[:, 0] = 1.0
+    return BoneFigure(
+        positions=corners.reshape(-1, 3).astype(np.float32),
+        normals=np.repeat(normals, 3, axis=0).astype(np.float32),
+        joints=joints,
+        weights=weights,
+        indices=np.arange(count, dtype=np.uint16),
+    )
+
+
+def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Six points: the start, four about the belly, the end."""
+    along = end - start
+    length = float(np.linalg.norm(along))
+    turn = quaternion.from_two_vectors(np.array((0.0, 1.0, 0.0)), along)
+    width = _THICKNESS * length
+    belly = [(x * width, _BELLY * length, z * width) for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+    return np.asarray(start + quaternion.rotate(turn, np.array([(0.0, 0.0, 0.0), *belly, (0.0, length, 0.0)])))
+
 
 FRAME_RATE: Final = 60.0
 """Keys per second of the files that the engine writes."""

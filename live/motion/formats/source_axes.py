@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.source_motion import SourceMotion, UpAxis
-from live.motion.formats.source_pose import LocalPose, WorldPose, world_pose
+from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, WorldPose, world_pose
 from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.skeleton import BODY_HEIGHT, SKELETON
 

@@ -11,10 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.motion.partner.cloud import Cloud
-from live.motion.partner.lanes_kernels import SIZE
-from live.motion.partner.products_kernels import multiply
-from live.motion.partner.recurrence_kernels import propagate
+from live.motion.partner.decoder_kernels import SIZE, multiply, propagate
+from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.time_scaled_units import Stretches
 
 Float64 = npt.NDArray[np.float64]

@@ -10,11 +10,10 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.motion.clip import Clip
-from live.motion.partner.answer import Answer, Smoothing, answer
-from live.motion.partner.cloud import Cloud
+from live.motion.partner.answer import Answer, Smoothing, answer, enforce_feet, enforce_holds
 from live.motion.partner.decoder import Reading, decode
-from live.motion.partner.enforce import enforce_feet, enforce_holds
-from live.motion.partner.leash import leashed
+from live.motion.partner.path_leader import leashed
+from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units

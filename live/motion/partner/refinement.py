@@ -10,10 +10,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import Reading
-from live.motion.partner.fit import fit, gap, stretched
 from live.motion.partner.initial_search_kernels import fit_places, join_places
+from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
 from live.motion.partner.time_scaled_units import legal_durations
 from live.motion.partner.units import Units
 

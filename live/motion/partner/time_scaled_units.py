@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner.cloud import Cloud
-from live.motion.partner.fit import stretched
+from live.motion.partner.point_clouds import Cloud, stretched
 from live.motion.partner.units import Units
 
 Float64 = npt.NDArray[np.float64]

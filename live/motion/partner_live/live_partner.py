@@ -9,15 +9,13 @@ import numpy.typing as npt
 from live.base.errors import PersonError
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.partner.answer import Answer
-from live.motion.partner.cloud import Cloud
-from live.motion.partner.cluster import unit_distances
+from live.motion.partner.answer import Answer, enforce_feet
 from live.motion.partner.decoder import Reading
-from live.motion.partner.enforce import enforce_feet
 from live.motion.partner.partner_synthesis import Partnered, Search, Stages, no_clock, read_input, tolls
-from live.motion.partner.units import Units
+from live.motion.partner.point_clouds import Cloud
+from live.motion.partner.units import Units, unit_distances
 from live.motion.partner_live.online_decoder import LiveReader
-from live.motion.partner_live.player import LivePartner
+from live.motion.partner_live.online_player import LivePartner
 
 Float64 = npt.NDArray[np.float64]
 

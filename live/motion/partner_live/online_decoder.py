@@ -12,12 +12,10 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.partner.lanes_kernels import SIZE
+from live.motion.partner.decoder_kernels import SIZE
 from live.motion.partner.time_scaled_units import Stretches, make_stretches
 from live.motion.partner.units import Units
-from live.motion.partner_live.expecting_kernels import expect_root
-from live.motion.partner_live.finishing_kernels import finish_units
-from live.motion.partner_live.running_kernels import score_running
+from live.motion.partner_live.online_kernels import expect_root, finish_units, score_running
 
 Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]

@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
-from live.motion.pose.legs_kernels import CLEAR, ROUND
-from live.motion.pose.turning_kernels import placed
+from live.motion.pose.foot_lock_kernels import CLEAR, ROUND
+from live.motion.pose.turn_kernels import placed
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]

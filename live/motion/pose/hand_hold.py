@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.pose.arms_kernels import join_hands
+from live.motion.pose.hand_hold_kernels import join_hands
 from live.motion.skeleton import SKELETON
 
 Float32 = npt.NDArray[np.float32]

@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.pose.foot_lock_kernels import FEET_COLUMNS, TOES
 from live.motion.pose.inertialization import at_rest
 from live.motion.pose.inertialization_kernels import LONGEST
-from live.motion.pose.legs_kernels import FEET_COLUMNS, TOES
-from live.motion.pose.posing_kernels import pose_dancers
+from live.motion.pose.pipeline_kernels import pose_dancers
 from live.motion.pose.sample_kernels import BLOCK
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 

@@ -3,10 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.editing.feet import BALLS
-from live.motion.quality.beats import mean_speed
-from live.motion.quality.feet import SKATING_RATE, skating_balls
-from live.motion.quality.smoothness import at_samples
+from live.motion.editing.foot_correction import BALLS
+from live.motion.quality.metrics import SKATING_RATE, at_samples, mean_speed, skating_balls
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -1,4 +1,7 @@
-"""BodyTracks: where the body of a recording is at each frame, in metres, Y up, whatever the file's units and axes."""
+"""BodyTracks: where the body of a recording is at each frame, in metres, Y up, whatever the file's units and axes.
+
+A recorded body as points and rotations in Y-up axes, with the tips of its hands and feet.
+"""
 
 from dataclasses import dataclass
 from typing import Final
@@ -16,14 +19,14 @@ from live.motion.formats.source_axes import (
     leg_length,
     standing_pose,
 )
-from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
-from live.motion.formats.source_pose import end_positions
+from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis, WorldPose, end_positions, rest_pose
 from live.motion.retarget.joint_mapping import SourceBody, find_body
+from live.motion.retarget.rest_pose_alignment import SIDES, SourcePoints
 
 Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
-SIDES: Final = ("left", "right")
+BODY_SIDES: Final = ("left", "right")
 PALM: Final = 0.5
 """Part of the way from the wrist to the hand's tip where palms meet."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
@@ -88,12 +91,13 @@ def body_tracks(
 
     parts = {j for j in body.joints.values() if j is not None} | set(body.spine) | set(body.neck)
     joints = np.array(sorted(parts), np.int64)
-    tips = [_tip(motion, body, side, world.positions, ends) for side in SIDES]
+    tips = [_hand_tip(motion, body, side, world.positions, ends) for side in BODY_SIDES]
     wrists = [
-        tips[n] if (j := body.joints[side + "Hand"]) is None else world.positions[:, j] for n, side in enumerate(SIDES)
+        tips[n] if (j := body.joints[side + "Hand"]) is None else world.positions[:, j]
+        for n, side in enumerate(BODY_SIDES)
     ]
-    ankles = np.stack([world.positions[:, body.joint(side + "Foot")] for side in SIDES], axis=1)
-    toes = np.stack([_toes(motion, body, side, world.positions, ends) for side in SIDES], axis=1)
+    ankles = np.stack([world.positions[:, body.joint(side + "Foot")] for side in BODY_SIDES], axis=1)
+    toes = np.stack([_toes(motion, body, side, world.positions, ends) for side in BODY_SIDES], axis=1)
     hands = np.stack([(1.0 - PALM) * wrist + PALM * tip for wrist, tip in zip(wrists, tips, strict=True)], axis=1)
     return BodyTracks(
         body=body,
@@ -115,7 +119,7 @@ def _believable(unit: float | None, leg: float) -> float | None:
     return unit if unit is not None and low <= body_height(leg) * unit <= high else None
 
 
-def _tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
+def _hand_tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
     """Mean of what hangs on the hand without the thumb, (T, 3); the hand (or lower arm) itself if nothing does."""
     hand = body.joints[side + "Hand"]
     return _hanging(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
@@ -135,3 +139,41 @@ def _hanging(motion: SourceMotion, joint: int, positions: Float, ends: Float) ->
     places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
     distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-9]
     return np.asarray(np.mean(distant, axis=0), np.float64) if distant else np.asarray(positions[:, joint], np.float64)
+
+
+def source_points(motion: SourceMotion, body: SourceBody, world: WorldPose, axis: UpAxis) -> SourcePoints:
+    """A body's poses in the `world` in Y-up axes, lengths in its own unit, with the tips of hands and feet.
+
+    MotionFileError if nothing ends a lower arm.
+    """
+    ends = end_positions(motion, world)
+    positions, rotations = world.positions, world.rotations
+    if axis == "Z":
+        ends, positions = (quaternion.rotate(_Z_UP_TO_Y_UP, points) for points in (ends, positions))
+        rotations = quaternion.mul(_Z_UP_TO_Y_UP, rotations)
+    tips: dict[str, Float] = {}
+    for side, _ in SIDES:
+        for joint, child in (("LowerArm", "Hand"), ("Foot", "Toes"), ("Hand", "HandEnd")):
+            source = body.joints[side + joint]
+            if source is not None and body.joints.get(side + child) is None:
+                tip = _joint_tip(motion, source, positions, ends)
+                if tip is not None:
+                    tips[side + child] = tip
+        if not (body.joints[side + "Hand"] is not None or side + "Hand" in tips):
+            raise MotionFileError(
+                motion.file, None, f"nothing ends the {side} lower arm", "a hand or an End Site expected"
+            )
+    return SourcePoints(body, positions, rotations, tips)
+
+
+def _joint_tip(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float | None:
+    """Mean of what hangs on a joint (thumbs left out), (T, 3); None if nothing does or if it is the joint itself."""
+    children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
+    places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
+    distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-6]
+    return np.mean(distant, axis=0) if distant else None
+
+
+def rest_points(motion: SourceMotion, body: SourceBody, axis: UpAxis) -> SourcePoints:
+    """The same of its rest pose, a single sample."""
+    return source_points(motion, body, rest_pose(motion), axis)

@@ -1,29 +1,160 @@
-"""A recording onto the engine's skeleton: the bones keep their directions, the feet their places on the floor."""
+"""A recording onto the engine's skeleton: the bones keep their directions, the feet their places on the floor.
+
+Trunk and neck chains of any length spread over the engine's three spine joints and one neck joint.
+
+Rotations of the engine's joints that let its bones point where those of a recorded body do.
+"""
 
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE, find_contacts
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.source_axes import (
-    BODY_HEIGHT_RANGE,
-    ENGINE_LEG,
-    body_height,
-    leg_length,
-    standing_pose,
-)
-from live.motion.formats.source_motion import SourceMotion, UpAxis
-from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, ENGINE_LEG, body_height, leg_length, standing_pose
+from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, world_pose
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.retarget.body_rotations import local_rotations, world_rotations
+from live.motion.retarget.body_tracks import rest_points, source_points
 from live.motion.retarget.floor_contact import find_floor, place_hips
 from live.motion.retarget.joint_mapping import SourceBody, find_body
-from live.motion.retarget.rest_pose_alignment import SIDES
-from live.motion.retarget.source_points import rest_points, source_points
+from live.motion.retarget.rest_pose_alignment import (
+    LIMB_BONES,
+    SIDES,
+    SourcePoints,
+    engine_direction,
+    hinge_twist,
+    plainness,
+    reference_rotations,
+    standing_frame,
+)
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+
+Float = npt.NDArray[np.floating]
+
+SPINE: Final = ("spine", "chest", "upperChest")
+
+
+def _engine_places() -> list[float]:
+    """Where between hips (0) and neck (1) the middles of the segments above spine, chest and upperChest lie."""
+    chain = [SKELETON.index(name) for name in (*SPINE, "neck")]
+    heights = np.cumsum([np.linalg.norm(SKELETON.offsets[joint]) for joint in chain])
+    return [float(0.5 * (heights[n] + heights[n + 1]) / heights[-1]) for n in range(len(SPINE))]
+
+
+PLACES: Final = _engine_places()
+
+
+def source_places(rest: SourcePoints) -> Float:
+    """Middles of the source's segments above the hips and above each spine joint, from 0 (hips) to 1 (arms).
+
+    Lengths are taken along the chain in the rest pose; the last joint's segment reaches up to the neck, or to the
+    line between the shoulder joints where the neck hangs on the same spot.
+    """
+    body = rest.body
+    chain = [rest.at("hips")[0], *(rest.positions[0, joint] for joint in body.spine)]
+    top = rest.positions[0, body.neck[0]] if body.neck else rest.middle("UpperArm")[0]
+    lengths = [float(np.linalg.norm(b - a)) for a, b in zip(chain, [*chain[1:], top], strict=True)]
+    ends = np.cumsum(lengths)
+    middles = ends - 0.5 * np.array(lengths)
+    return np.asarray(middles / max(float(ends[-1]), 1e-9))
+
+
+def spine_rotations(rest: SourcePoints, hips: Float, chain: list[Float]) -> dict[str, Float]:
+    """World rotations of spine, chest and upperChest, (T, 4) each, from the hips' and the chain's aligned ones.
+
+    Each of ours takes the rotation that the source's trunk has at the same height: SLERP between the two nearest.
+    """
+    known = [hips, *chain]
+    places = source_places(rest)
+    rotations = {}
+    for name, place in zip(SPINE, PLACES, strict=True):
+        above = int(np.searchsorted(places, place))
+        if above == 0 or above == len(known):
+            rotations[name] = known[min(above, len(known) - 1)]
+        else:
+            gap = places[above] - places[above - 1]
+            part = (place - places[above - 1]) / gap if gap > 1e-9 else 1.0
+            rotations[name] = quaternion.slerp(known[above - 1], known[above], np.asarray(part))
+    return rotations
+
+
+def neck_rotation(chain: list[Float], chest: Float, head: Float) -> Float:
+    """World rotation of the neck, (T, 4): that of the middle of the chain, or half way from chest to head."""
+    if not chain:
+        return quaternion.slerp(chest, head, np.asarray(0.5))
+    low, high = chain[(len(chain) - 1) // 2], chain[len(chain) // 2]
+    return low if low is high else quaternion.slerp(low, high, np.asarray(0.5))
+
+
+TWISTED: Final = np.radians(60.0)
+"""A limb that bends this far beside our hinge axis has a rest pose whose twist means nothing."""
+
+
+def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
+    """World rotations of the engine's joints, shape (T, 22, 4)."""
+    frame = standing_frame(rest, rest=True)
+    from_rest = bool(plainness(rest, frame)[1][0])
+    reference, at = rest, 0
+    if not from_rest:
+        reference, frame = points, standing_frame(points, rest=False)
+        cost, usable = plainness(points, frame)
+        at = int(np.argmin(np.where(usable, cost, cost + 100.0)))
+    wanted = reference_rotations(reference, frame, at)
+
+    def aligned(joint: str, source: int) -> Float:
+        alignment = quaternion.mul(quaternion.inverse(reference.rotations[at, source]), wanted[joint])
+        return quaternion.mul(points.rotations[:, source], alignment)
+
+    body = points.body
+    world = {name: aligned(name, source) for name, source in body.joints.items() if source is not None}
+    hips = world["hips"]
+    chain = [aligned("chest", source) for source in body.spine]
+    world |= spine_rotations(rest, hips, chain)
+    head = world.get("head", world["upperChest"])
+    world["neck"] = neck_rotation([aligned("neck", source) for source in body.neck], world["upperChest"], head)
+    world["head"] = head
+    for joint, child in LIMB_BONES:
+        world[joint] = _bent_like_ours(points, world[joint], joint, TWISTED if from_rest else 0.0)
+        world[joint] = _exact(world[joint], points, joint, child)
+    for side, _ in SIDES:
+        world.setdefault(side + "Shoulder", world["upperChest"])
+        world.setdefault(side + "Hand", world[side + "LowerArm"])
+        world.setdefault(side + "Toes", world[side + "Foot"])
+    return np.stack([world[name] for name in SKELETON.names], axis=1)
+
+
+def _exact(rotation: Float, points: SourcePoints, joint: str, child: str) -> Float:
+    """Turned by the little that is left, so that the bone points where the source's does (twist bones, drift)."""
+    pointing = quaternion.rotate(rotation, engine_direction(child))
+    target = points.at(child) - points.at(joint)
+    target = np.where(np.linalg.norm(target, axis=-1, keepdims=True) > 1e-9, target, pointing)
+    return quaternion.mul(quaternion.from_two_vectors(pointing, target), rotation)
+
+
+def _bent_like_ours(points: SourcePoints, rotation: Float, joint: str, tolerance: float) -> Float:
+    """Turned about the bone so that knee or elbow bend about our hinge axis, if they are off by over `tolerance`."""
+    side = "left" if joint.startswith("left") else "right"
+    limb = ("UpperArm", "LowerArm", "Hand") if joint.endswith("Arm") else ("UpperLeg", "LowerLeg", "Foot")
+    upper, lower = (points.bone(side + limb[n], side + limb[n + 1]) for n in (0, 1))
+    bone = engine_direction(side + limb[1])
+    bends_to = np.array((0.0, 0.0, 1.0 if joint.endswith("Arm") else -1.0))
+    angle = hinge_twist(upper, lower, rotation, bone, np.cross(bone, bends_to))
+    if abs(angle) <= tolerance:
+        return rotation
+    return quaternion.mul(rotation, quaternion.from_axis_angle(bone, np.asarray(angle)))
+
+
+def local_rotations(world: Float) -> Float:
+    """Each joint's rotation from its parent's, of `world` ones, both (T, 22, 4)."""
+    local = world.copy()
+    for joint, parent in enumerate(SKELETON.parents):
+        if parent >= 0:
+            local[:, joint] = quaternion.mul(quaternion.inverse(world[:, parent]), world[:, joint])
+    return quaternion.unit(local)
+
 
 SAMPLE_RATE: Final = 60.0
 """Samples per second of clips made from recordings [Hz]."""

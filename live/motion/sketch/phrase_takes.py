@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.base.toml_lines import KeyPath
+from live.base.toml import KeyPath
 from live.motion.sketch.sketch_attributes import ATTRIBUTES, read_attributes
 from live.motion.step_clip import DIRECTIONS
 

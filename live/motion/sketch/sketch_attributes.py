@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from live.base.toml_lines import KeyPath
+from live.base.toml import KeyPath
 
 WORDS: Final = ("begin_pose", "end_pose", "author", "style")
 ATTRIBUTES: Final = ("leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags")

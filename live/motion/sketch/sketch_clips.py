@@ -10,13 +10,11 @@ from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
 from live.motion.sketch.foot_plan import balance, flights, stances, supported
 from live.motion.sketch.foot_trajectories import Path, keep_apart, placed, track
-from live.motion.sketch.motion_sketch_pose import Ground
 from live.motion.sketch.phrase_takes import Take
-from live.motion.sketch.sketch_channels import SAMPLES_PER_BEAT, facing
 from live.motion.sketch.sketch_file import Sketch
 from live.motion.sketch.sketch_pose import pose_body
-from live.motion.step_clip import DIRECTIONS, StepClip
-from live.motion.step_figures import measured_distance
+from live.motion.sketch.upper_body import SAMPLES_PER_BEAT, Ground, facing
+from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance
 
 Float = npt.NDArray[np.floating]
 

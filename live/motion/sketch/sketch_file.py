@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from live.base.toml_lines import KeyPath, error_line, line_of, toml_lines
-from live.base.toml_text import toml_values
+from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_values
 from live.motion.sketch.phrase_takes import Take, read_directions, read_takes
 from live.motion.sketch.sketch_attributes import ATTRIBUTES, read_attributes
 from live.motion.sketch.sketch_notation import PAIRS, PARTS, WordError, Words, read_counts, read_phrases

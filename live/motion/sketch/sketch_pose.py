@@ -10,22 +10,24 @@ from live.motion import quaternion
 from live.motion.curve import followed, hermite, monotone_slopes, smoothed, soft_min
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.sketch.foot_trajectories import HOME_FORWARD, FootTrack
-from live.motion.sketch.motion_sketch_pose import (
+from live.motion.sketch.sketch_file import Sketch
+from live.motion.sketch.upper_body import (
+    SAMPLES_PER_BEAT,
     X_AXIS,
     Y_AXIS,
     Z_AXIS,
+    Channels,
     Ground,
     Pose,
     about,
+    closed,
     joint_index,
     offset_of,
+    pose_arm,
     share_of,
     stride_of,
     turned,
 )
-from live.motion.sketch.sketch_arms import pose_arm
-from live.motion.sketch.sketch_channels import SAMPLES_PER_BEAT, Channels, closed
-from live.motion.sketch.sketch_file import Sketch
 from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 
 Float = npt.NDArray[np.floating]

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.rotation_mean import mean_rotation
-from live.motion.sampling import read_clip
+from live.motion.clip import read_clip
+from live.motion.quaternion import mean_rotation
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT

@@ -9,11 +9,17 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.motion.clip import Clip
-from live.motion.texture.bands import split_bands
-from live.motion.texture.charts import Chart
 from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
+from live.motion.texture.frequency_bands import (
+    Chart,
+    Sampled,
+    charts_for,
+    columns_of,
+    sample_clip,
+    split_bands,
+    tracks_of,
+)
 from live.motion.texture.texture_settings import Wish
-from live.motion.texture.tracks import Sampled, charts_for, columns_of, sample_clip, tracks_of
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]

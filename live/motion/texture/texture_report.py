@@ -9,13 +9,12 @@ import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.feet import skates, slides
+from live.motion.quality.metrics import skates, slides
 from live.motion.skeleton import SKELETON
-from live.motion.texture.bands import MOST_BANDS, RATE, split_bands
+from live.motion.texture.frequency_bands import MOST_BANDS, RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import Material
 from live.motion.texture.texture_settings import Wish
 from live.motion.texture.texture_synthesis import Textured
-from live.motion.texture.tracks import columns_of, sample_clip, tracks_of
 
 Float64 = npt.NDArray[np.float64]
 

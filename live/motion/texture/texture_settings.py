@@ -6,9 +6,9 @@ from typing import Final
 
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
-from live.motion.texture.bands import MOST_BANDS
-from live.motion.texture.joining import REACH
-from live.motion.texture.matching import SHARE
+from live.motion.texture.fragment_search import SHARE
+from live.motion.texture.fragments import REACH
+from live.motion.texture.frequency_bands import MOST_BANDS
 
 _NAMES: Final = SKELETON.names
 

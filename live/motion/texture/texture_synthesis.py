@@ -9,16 +9,23 @@ from scipy.interpolate import CubicSpline
 
 from live.base.errors import PersonError
 from live.motion.clip import Clip
-from live.motion.texture.bands import RATE, split_bands
-from live.motion.texture.charts import VECTOR
-from live.motion.texture.footing import stand
-from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
-from live.motion.texture.joining import laid, skewed, smoothed
-from live.motion.texture.matching import Matches, match
-from live.motion.texture.paths import Path, best_paths, weighed_paths
+from live.motion.texture.foot_constraints import stand
+from live.motion.texture.fragment_search import Matches, Path, best_paths, match, weighed_paths
+from live.motion.texture.fragments import Fragments, find_cuts, fragments_of, laid, skewed, smoothed
+from live.motion.texture.frequency_bands import (
+    RATE,
+    SWAY,
+    VECTOR,
+    Sampled,
+    columns_of,
+    headings,
+    sample_clip,
+    split_bands,
+    tracks_of,
+    turned,
+)
 from live.motion.texture.texture_corpus import Driving, Material, cutting_column
 from live.motion.texture.texture_settings import LEGS, Wish
-from live.motion.texture.tracks import SWAY, Sampled, columns_of, headings, sample_clip, tracks_of, turned
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]

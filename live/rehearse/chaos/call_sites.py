@@ -14,7 +14,7 @@ from types import CodeType, FrameType, FunctionType
 from typing import Any, Final
 
 from live.rehearse.failure import OURS
-from live.show.core import Show
+from live.show.show import Show
 
 MECHANISM: Final = "show/breakers.py"
 """Callees of this file are what a failing stage is put out of service by."""

@@ -18,8 +18,8 @@ from typing import Any, Final
 from live.base.fault_isolation import Bulkhead
 from live.rehearse.chaos.call_sites import Injected, Injector, Site, replace_method
 from live.rehearse.chaos.fault_page import FaultPage, Word
-from live.show.journal.whole_writes import WholeWrites
-from live.supervisor.lifeline import Lifeline
+from live.show.journal.journal_writer import WholeWrites
+from live.supervisor.supervisor_link import Lifeline
 
 PAGE: Final = "page"
 SITES: Final = "sites.json"
@@ -65,7 +65,7 @@ def install_in_engine(folder: Path) -> None:
 
 
 def _install_ticks(page: FaultPage, sites: list[Site]) -> None:
-    from live.show.core import Show
+    from live.show.show import Show
 
     injector, was = PageInjector(page, sites), Show.tick
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from live.show.journal.journal_file import GAP
+from live.show.journal.journal_writer import GAP
 from live.show.journal.skipped_events import LEFT_OUT
 
 

@@ -29,12 +29,11 @@ from live.rehearse.chaos.process_tree import process as process_of
 from live.rehearse.chaos.small_disk import SmallDisk
 from live.rehearse.chaos.virtual_run import find_sites
 from live.rehearse.failure import Failure
+from live.rehearse.invariants import prove
 from live.rehearse.network_sender import Outlet, packets, send_all
-from live.rehearse.players import FakePlayers
-from live.rehearse.proving import prove
-from live.rehearse.soak_report import Plan
-from live.rehearse.words import Words
-from live.show.load import load_show
+from live.rehearse.simulated_players import FakePlayers, Words
+from live.rehearse.soak_test import Plan
+from live.show.loader import load_show
 
 READY_WITHIN: Final = 180.0
 """Seconds in which the show has begun and another engine is ready; kernels may have to be compiled."""

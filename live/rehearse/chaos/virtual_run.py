@@ -12,20 +12,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.control.events.machine_events import ResetBreaker
+from live.control.events.system import ResetBreaker
 from live.rehearse.chaos.call_sites import Injector, Looker, Site, instead_of_tick
 from live.rehearse.failure import Failure
-from live.rehearse.proving import prove
-from live.rehearse.soak import Soak
-from live.rehearse.soak_report import Plan
+from live.rehearse.invariants import prove
+from live.rehearse.soak_test import Plan, Soak
 from live.show.engine import Engine
 from live.show.patch.hot_reload import PatchWatch
 from live.show.state.snapshot import Taken
 from live.show.status import Status
-from live.supervisor.deaths import Deaths
-from live.supervisor.disk import Disk
-from live.supervisor.log import Log
+from live.supervisor.engine_deaths import Deaths
 from live.supervisor.recovery import Death, Recovery
+from live.supervisor.recovery_log import Disk, Log
 from live.supervisor.state_follower import Following
 
 SALT: Final = 0xC4A0

@@ -1,6 +1,6 @@
 """The bodies of a scene by name: generated ones, and characters out of files."""
 
-from live.base.bodies import BODIES, USUAL
+from live.base.body_catalogue import BODIES, USUAL
 from live.base.stage_snapshot import Scene
 from live.render.body.body_mesh import BodyMesh, build_body
 from live.render.characters.character import Character, load_character

@@ -11,12 +11,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.bodies import USUAL
+from live.base.body_catalogue import USUAL
 from live.render.body.body_variants import bun_of, parts_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage
 from live.render.body.implicit_surface import Shape
-from live.render.body.simplify import simplify
-from live.render.body.subdivide import subdivide
+from live.render.body.mesh_simplify import simplify, subdivide
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -108,8 +107,8 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 @cache
 def build_body(level: int, name: str = USUAL) -> BodyMesh:
-    """The body of a name (`live.base.bodies`) at one of `LEVELS` of detail; built once a process, a fraction of a
-    second. ValueError for what there is not."""
+    """The body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail; built once a process, a
+    fraction of a second. ValueError for what there is not."""
     if level not in LEVELS:
         raise ValueError(
             f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.bodies import BODIES, USUAL
+from live.base.body_catalogue import BODIES, USUAL
 from live.render.body import implicit_surface as usual
 from live.render.body.implicit_surface import BODY, Ellipsoid, Loft
 
@@ -81,7 +81,7 @@ TYPES: Final[dict[str, BodyType]] = {
         neck=0.86, head=1.18, hand=0.90, foot=0.90, shoulder=0.84, chest=(0.75, 0.80, 0.55), seat=0.80,
     ),
 }  # fmt: skip
-"""What each name of `live.base.bodies` stands for."""
+"""What each name of `live.base.body_catalogue` stands for."""
 
 
 def _widened(loft: Loft, curve: _Curve) -> Loft:

@@ -9,20 +9,18 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.bodies import USUAL
-from live.base.character import MOST, CharacterFile, Worn
+from live.base.body_catalogue import MOST, USUAL, CharacterFile, Worn
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, strongest
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
-from live.render.characters.extras import EXTRAS, Layers, extras_of, layers_of
-from live.render.characters.fit import Fitted, fit
-from live.render.characters.joints import find_joints
 from live.render.characters.lod import reduce_to
+from live.render.characters.materials import EXTRAS, Layers, extras_of, layers_of
 from live.render.characters.model import Material, Model
 from live.render.characters.model_reader import read_model
+from live.render.characters.skeleton_fit import Fitted, find_joints, fit
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -1,9 +1,21 @@
-"""Materials of a glTF file: base colour, opacity, roughness; MToon's colours are the base colour's."""
+"""Materials of a glTF file: base colour, opacity, roughness; MToon's colours are the base colour's.
 
+A character's images as the layers of one texture: checked before they are unpacked, made equal in size.
+
+What a character's materials have beside their colours: normals and light of their own, as layers and a table.
+"""
+
+import contextlib
+import io
 from typing import Final
 
-from live.motion.formats.json_place import JsonPlace
-from live.render.characters.model import Material
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, UnidentifiedImageError
+
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.gltf_document import JsonPlace
+from live.render.characters.model import Material, Model
 
 BRIGHTEST: Final = 8.0
 """Most light that a material gives, of white cloth's in full light."""
@@ -93,3 +105,114 @@ def _lies(texture: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, fl
     u, v = moved.numbers("offset", 2, (0.0, 0.0))
     su, sv = moved.numbers("scale", 2, (1.0, 1.0))
     return moved.whole("texCoord", uv, below=8), (u, v), (su, sv)
+
+
+UInt8 = npt.NDArray[np.uint8]
+
+SIDE_LIMIT: Final = 8192
+"""Pixels along a side of an image at most."""
+PIXEL_LIMIT: Final = 150_000_000
+"""Pixels of all images of a character at most."""
+_SIDE: Final = 1024
+_ROOM: Final = 24 << 20
+"""Texels of all layers together."""
+WHOLE: Final = _ROOM // (_SIDE * _SIDE) - 1
+"""So many images keep their size."""
+_SMALLER: Final = "export the character with images of 1024 or 2048 pixels"
+
+_LINEAR: Final = np.arange(256) / 255.0
+_LINEAR_OF: Final = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.055) ** 2.4)
+_ROOTS: Final = np.rint(np.sqrt(_LINEAR_OF) * 255.0).astype(np.uint8)
+"""Square roots of linear light, as all colours of dancers are kept, of sRGB bytes (IEC 61966-2-1)."""
+
+
+def read_layers(images: list[bytes], file: str, numbers: frozenset[int] = frozenset()) -> UInt8:
+    """Layers (L, S, S, 4) of an image each, after a white one: square roots of linear RGB, and opacity. Those whose
+    place in `images` is in `numbers` hold no colours, and stay as they are.
+
+    MotionFileError for what is no PNG, JPEG or WebP, is broken, or would take too much room.
+    """
+    opened = [_open(data, number, file) for number, data in enumerate(images)]
+    if sum(image.width * image.height for image in opened) > PIXEL_LIMIT:
+        raise MotionFileError(file, None, f"images of more than {PIXEL_LIMIT // 10**6} megapixels", _SMALLER)
+    side = 4
+    longest = max((max(image.size) for image in opened), default=1)
+    while side < min(longest, _SIDE) and (2 * side) ** 2 * (len(opened) + 1) <= _ROOM:
+        side *= 2
+    layers = np.full((len(opened) + 1, side, side, 4), 255, np.uint8)
+    for number, image in enumerate(opened):
+        layers[number + 1] = _pixels(image, side, number, file)
+    for number in range(len(layers)):
+        if number - 1 not in numbers:
+            layers[number, ..., :3] = _ROOTS[layers[number, ..., :3]]
+    return layers
+
+
+def _open(data: bytes, number: int, file: str) -> Image.Image:
+    try:
+        image = Image.open(io.BytesIO(data), formats=("PNG", "JPEG", "WEBP"))
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        raise MotionFileError(file, None, f"image {number} is no PNG, JPEG or WebP", "export it again") from None
+    if max(image.size) > SIDE_LIMIT:
+        words = f"image {number} has {image.width} x {image.height} pixels"
+        raise MotionFileError(file, None, words, f"{SIDE_LIMIT} at most: {_SMALLER}")
+    return image
+
+
+def _pixels(image: Image.Image, side: int, number: int, file: str) -> UInt8:
+    try:
+        image.draft("RGB", (side, side))
+        whole = image.convert("RGBA")
+        return np.asarray(
+            whole.resize((side, side), Image.Resampling.BOX if side < whole.width else Image.Resampling.BILINEAR)
+        )
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        words = f"image {number} is broken: {' '.join(str(error).split())[:80]}"
+        raise MotionFileError(file, None, words, "export it again") from None
+
+
+Float32 = npt.NDArray[np.float32]
+Layers = dict[tuple[int, bool], int]
+"""Which layer an image is, by its number and whether it holds normals."""
+
+EXTRAS: Final = 32
+"""Materials that the table has, less one; as in surface.glsl."""
+LEFT_OUT: Final = "images of normals and glow are left out: too many, too large or broken"
+
+
+def layers_of(model: Model, worn: list[Material]) -> tuple[UInt8, Layers, tuple[str, ...]]:
+    """All images that are drawn as layers, which is which, and what is told of it.
+
+    Normals and glow come only where they take nothing from the colours' size, and are left out if they are broken.
+    MotionFileError for colours that are.
+    """
+    colours = {(each.image, False) for each in worn if each.image is not None}
+    glow = {(each.glow_image, False) for each in worn if each.glow_image is not None and max(each.glow) > 0.0}
+    bumps = {(each.normal, True) for each in worn if each.normal is not None}
+    first, more = sorted(colours), [*sorted(glow - colours), *sorted(bumps)]
+    if more and len(first) + len(more) <= WHOLE:
+        with contextlib.suppress(MotionFileError):
+            return *_read(model, [*first, *more]), ()
+    return *_read(model, first), (LEFT_OUT,) if more else ()
+
+
+def _read(model: Model, wanted: list[tuple[int, bool]]) -> tuple[UInt8, Layers]:
+    used = [(image, bump) for image, bump in wanted if model.images[image]]
+    numbers = frozenset(place for place, (_, bump) in enumerate(used) if bump)
+    layers = read_layers([model.images[image] or b"" for image, _ in used], model.file, numbers)
+    return layers, {key: number + 1 for number, key in enumerate(used)}
+
+
+def extras_of(materials: list[Material | None], layers: Layers) -> Float32:
+    """Normals and glow of material n in rows 2 (n + 1) and the next, shape (2 EXTRAS, 4): layer of the normals
+    (0: none), their strength, layer of the glow, 1 if there is any; its linear RGB. Materials beyond that have none."""
+    rows = np.zeros((2 * EXTRAS, 4), np.float32)
+    for number, material in enumerate(materials[: EXTRAS - 1], start=1):
+        if material is None:
+            continue
+        bumps = 0 if material.normal is None else layers.get((material.normal, True), 0)
+        glow = 0 if material.glow_image is None else layers.get((material.glow_image, False), -1)
+        glows = glow >= 0 and max(material.glow) > 0.0  # without its image it would glow all over
+        rows[2 * number] = bumps, material.bumps, max(glow, 0), glows
+        rows[2 * number + 1, :3] = material.glow
+    return rows

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.formats.container import GltfFile, open_gltf
 from live.motion.formats.file_error import MotionFileError, shown
 from live.motion.formats.gltf_accessors import Accessors, Resolve
-from live.motion.formats.json_place import JsonPlace
-from live.motion.formats.nodes import Nodes
+from live.motion.formats.gltf_document import GltfFile, JsonPlace, open_gltf
+from live.motion.formats.gltf_skeleton import Nodes
 from live.render.characters.materials import PLAIN, read_materials, texture_place
 from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
 from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of

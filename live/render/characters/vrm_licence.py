@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from live.motion.formats.json_place import JsonPlace
-from live.motion.formats.nodes import Nodes
+from live.motion.formats.gltf_document import JsonPlace
+from live.motion.formats.gltf_skeleton import Nodes
 
 _META_0: Final = {
     "title": "title", "version": "version", "author": "author", "contact": "contactInformation",

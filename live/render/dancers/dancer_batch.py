@@ -8,14 +8,13 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
-from live.render.dancers.group_styles import GroupStyles
+from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dress
 from live.render.dancers.instance_lists import Instances, Sight
-from live.render.dancers.wardrobe import TEXELS, dress
 from live.render.gl_release import release_all
-from live.render.quality import Quality
 from live.render.render_kernels import pose_texels
 from live.render.shader import set_uniform
 
@@ -133,7 +132,7 @@ class Crowd:
         width, self.rows = self.poses.size
         blocks = width // (2 * JOINT_COUNT)
         self.texels = np.zeros((self.rows, width, 4), np.float32)
-        self._wardrobe = self._ctx.texture((TEXELS * blocks, self.rows), 4)
+        self._wardrobe = self._ctx.texture((WARDROBE_TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
         body = np.zeros(capacity, np.int32)
@@ -169,10 +168,10 @@ class Crowd:
     def _dress(self, view: StageView, count: int) -> None:
         """New clothes, only when somebody changes group, or a group its colours."""
         self._group[:count] = view.group
-        blocks, rows = self._wardrobe.width // TEXELS, self.rows
-        padded = np.zeros((blocks * rows, TEXELS, 4), np.uint8)
+        blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
+        padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
         padded[:count] = dress(view.group, self._colours, self.styles.variety, self.styles.sheen)
-        columns = padded.reshape(blocks, rows, TEXELS, 4).transpose(1, 0, 2, 3)
+        columns = padded.reshape(blocks, rows, WARDROBE_TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 
     def count(self, which: str) -> int:

@@ -1,4 +1,7 @@
-"""The styles of all groups as one block of uniforms, and which groups need which way of drawing."""
+"""The styles of all groups as one block of uniforms, and which groups need which way of drawing.
+
+What each dancer wears: cloth in the group's colour, tights, skin and hair, no two dancers quite alike.
+"""
 
 from typing import Final
 
@@ -6,7 +9,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.picture import COLOURS, GROUPS, OF_GROUPS, STYLE_OF_GROUP, STYLE_SIZE, STYLES
+from live.base.picture_parameters import COLOURS, GROUPS, OF_GROUPS, STYLE_OF_GROUP, STYLE_SIZE, STYLES
 from live.render.shader import STYLES_BINDING
 
 Bool = npt.NDArray[np.bool_]
@@ -14,7 +17,7 @@ Int32 = npt.NDArray[np.int32]
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
-TEXELS: Final = 8
+STYLE_TEXELS: Final = 8
 """Vectors of each group in the block."""
 LISTS: Final = (
     "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",
@@ -37,7 +40,7 @@ _LAYOUT: Final = (
 
 def _columns() -> npt.NDArray[np.intp]:
     """For each number of a group's vectors its place among the group's styles, -1 for none, shape (TEXELS * 4,)."""
-    columns = np.full((TEXELS, 4), -1)
+    columns = np.full((STYLE_TEXELS, 4), -1)
     for row, names in enumerate(_LAYOUT):
         places: list[int] = []
         for name in names:
@@ -55,7 +58,7 @@ class GroupStyles:
     """Owns the block; `take` when the picture's row has changed. The masks are by group, shape (16,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._data = np.zeros((GROUPS, TEXELS * 4), np.float32)
+        self._data = np.zeros((GROUPS, STYLE_TEXELS * 4), np.float32)
         self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
         self.any = False
         """Whether any group is drawn otherwise than as plain lit bodies."""
@@ -75,7 +78,7 @@ class GroupStyles:
         """How much the clothes of each group's dancers differ and shine."""
 
     def take(self, row: Float64) -> None:
-        """Take a picture's row, shape (live.base.picture.SIZE,)."""
+        """Take a picture's row, shape (live.base.picture_parameters.SIZE,)."""
         own = row[STYLES:].reshape(GROUPS, STYLE_SIZE)
         self._data[:, _USED] = own[:, _COLUMNS[_USED]]
         self._data[:, 24:27] = row[COLOURS:STYLES].reshape(GROUPS, 3)
@@ -113,3 +116,59 @@ class GroupStyles:
     def release(self) -> None:
         """Free the buffer."""
         self._buffer.release()
+
+
+CLOTH: Final = 0
+TIGHTS: Final = 1
+SKIN: Final = 2
+HAIR: Final = 3
+MATERIALS: Final = 4
+WHO: Final = 4
+"""After her clothes: the dancer's group (as it is, no square root), and three numbers by chance."""
+WARDROBE_TEXELS: Final = 5
+"""Texels of a dancer in the wardrobe texture."""
+
+_SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
+_DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
+_BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
+_DEPTH: Final = 1.25
+"""Cloth is deeper in colour than the light of its group, because light on it makes it paler again."""
+_VARIETY: Final = 0.2
+_SEED: Final = 7
+
+
+def dress(
+    group: Int32, colours: Float32, variety: Float32 | None = None, sheen: Float32 | None = None
+) -> npt.NDArray[np.uint8]:
+    """Colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 5 texels, 4).
+
+    group (A,) indexes `colours` (G, 3), and `variety` and `sheen` (G,) if given, wrapping round: how much the colours
+    of its dancers differ (0.2 is usual), how much their clothes shine (1). The same dancer always looks the same.
+    """
+    draw = np.random.default_rng(_SEED).random((len(group), 4))
+    differ = np.full((len(group), 1), _VARIETY) if variety is None else variety[group % len(variety)][:, None]
+    shine = np.ones((len(group), 1)) if sheen is None else sheen[group % len(sheen)][:, None]
+    cloth = colours[group % len(colours)].astype(np.float64)
+    grey = cloth @ np.array([0.2126, 0.7152, 0.0722])
+    cloth = np.maximum(grey[:, None] + _DEPTH * (cloth - grey[:, None]), 0.0)
+    cloth *= 0.61 + np.minimum(1.3 * differ, 0.7) * (draw[:, :1] - 0.5)
+    turn = 0.5 * differ * (draw[:, 1:2] - 0.5)  # a little of the neighbouring hue
+    cloth = np.where(
+        turn > 0.0, (1.0 - turn) * cloth + turn * cloth[:, [1, 2, 0]], (1.0 + turn) * cloth - turn * cloth[:, [2, 0, 1]]
+    )
+    out = np.empty((len(group), WARDROBE_TEXELS, 4))
+    out[:, CLOTH, :3] = cloth
+    out[:, TIGHTS, :3] = cloth * np.array([0.34, 0.33, 0.36])
+    out[:, SKIN, :3] = _between(_DARK_SKIN, _PALE_SKIN, np.sqrt(draw[:, 2:3]))
+    out[:, HAIR, :3] = _between(_BLACK_HAIR, _BROWN_HAIR, draw[:, 3:4] ** 2)
+    out[:, :MATERIALS, :3] = np.sqrt(np.clip(out[:, :MATERIALS, :3], 0.0, 1.0))
+    out[:, :MATERIALS, 3] = np.array(_SHEEN)
+    out[:, CLOTH : TIGHTS + 1, 3] *= np.minimum(shine, 1.0 / max(_SHEEN))
+    out[:, WHO, 0], out[:, WHO, 1:] = (group % GROUPS) / 255.0, draw[:, [1, 2, 3]]
+    return np.ascontiguousarray(np.rint(out * 255.0), np.uint8)
+
+
+def _between(
+    a: tuple[float, float, float], b: tuple[float, float, float], part: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    return np.array(a) * (1.0 - part) + np.array(b) * part

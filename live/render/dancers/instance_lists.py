@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import Camera, StageView
+from live.render.adaptive_quality import Quality
 from live.render.camera import view_matrix, world_to_clip
 from live.render.dancers.group_styles import LISTS, GroupStyles
-from live.render.quality import Quality
 from live.render.render_kernels import FAR, MIRRORED, NEAR, PRESENT, SEEN, SHADOWING, bounds, listed, sights, split
 
 Float32 = npt.NDArray[np.float32]

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.bodies import USUAL
+from live.base.body_catalogue import USUAL
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest
 

@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.film.container_formats import kind_of
-from live.render.film.film_encoder import FilmEncoder
-from live.render.film.film_sound import FilmSound
+from live.render.film.streams import FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
 

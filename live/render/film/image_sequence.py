@@ -14,8 +14,8 @@ import numpy.typing as npt
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from live.render.film.film_sound import FilmSound
 from live.render.film.film_writer import FilmError
+from live.render.film.streams import FilmSound
 
 Picture = npt.NDArray[np.uint8]
 

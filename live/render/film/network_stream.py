@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.film.container_formats import FilmKind
-from live.render.film.film_encoder import FilmEncoder
-from live.render.film.film_sound import FilmSound
 from live.render.film.film_writer import give_way, pixels_of
+from live.render.film.streams import FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
 

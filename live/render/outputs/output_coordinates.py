@@ -4,10 +4,9 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.render.outputs.corner_pin import homography, mapped
-from live.render.outputs.mesh import bent, unbent
 from live.render.outputs.output import Output, Point
 from live.render.outputs.output_pass import turned
+from live.render.outputs.warp import bent, homography, mapped, unbent
 
 Float64 = npt.NDArray[np.float64]
 

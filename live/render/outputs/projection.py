@@ -2,6 +2,10 @@
 
 The renderer belongs to the first output's context; the other windows share its textures. A picture that cannot be
 drawn to its end leaves the last one on the projectors. Only the first display paces the show.
+
+Shown: the whole picture as the projectors show it together, for who takes it elsewhere: films, other programs.
+
+It is not cropped, bent, blended or masked, and no test card is in it; but its light is held back where theirs is.
 """
 
 import contextlib
@@ -14,16 +18,43 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import Scene, StageView
-from live.render.outputs.flash_meter import FlashGuard
+from live.render.gl_release import release_all
 from live.render.outputs.output import Output
-from live.render.outputs.pictures import Pictures, picture_size
-from live.render.outputs.screen import Screen
-from live.render.outputs.shown import Shown
+from live.render.outputs.output_pass import OutputPass
+from live.render.outputs.photosensitivity import FlashGuard
+from live.render.outputs.screen import Pictures, Screen, picture_size
 from live.render.renderer import Renderer
-from live.render.window.monitor_places import find_place
-from live.render.window.monitors import Monitor
+from live.render.window.monitors import Monitor, find_place
 from live.render.window.window import Window
 from live.render.window.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput
+
+
+class Shown:
+    """Costs nothing while nothing flashes; GL objects are made here, and when the picture has another size."""
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
+        self._ctx = ctx
+        self._pass = OutputPass(ctx, Output())
+        self._make(size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._texture = self._ctx.texture(size, 4)
+        self._target = self._ctx.framebuffer([self._texture])
+
+    def of(self, pictures: Pictures, left: float) -> moderngl.Framebuffer:
+        """The last picture with so much of its light left."""
+        if left >= 1.0:
+            return pictures.last
+        if self._texture.size != pictures.size:
+            release_all(self._target, self._texture)
+            self._make(pictures.size)
+        self._pass.draw(pictures.texture, self._target, left=left)
+        return self._target
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._target, self._texture, self._pass)
+
 
 TITLE: Final = "ChoreoGraphics Live"
 OPERATOR: Final = "operator"

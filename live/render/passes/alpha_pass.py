@@ -8,9 +8,9 @@ the alpha with which it looks the same over black.
 
 import moderngl
 
-from live.render.full import Full
 from live.render.gl_release import release_all
 from live.render.pass_context import HDR
+from live.render.shader import Full
 
 
 class MattePass:

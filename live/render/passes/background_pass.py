@@ -7,15 +7,13 @@ from typing import Final
 
 import moderngl
 
-from live.base.lights import BACKGROUNDS
-from live.base.picture import BY_ADDRESS
+from live.base.picture_parameters import BACKGROUNDS, BY_ADDRESS
 from live.base.stage_snapshot import Background, StageView
-from live.render.background_file import Picture, is_video, read_image
 from live.render.gl_release import release_all
+from live.render.media_background import Picture, Video, is_video, read_image
 from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 from live.render.uniforms import WALL_BEHIND
-from live.render.video import Video
 
 _ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, BACKGROUNDS + 1))
 _WALL: Final = 1.5

@@ -4,8 +4,7 @@ from typing import Final
 
 import moderngl
 
-from live.base.lights import SPOTS
-from live.base.picture import BY_ADDRESS
+from live.base.picture_parameters import BY_ADDRESS, SPOTS
 from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Making, Moment, ScenePass
 from live.render.shader import program, set_uniform

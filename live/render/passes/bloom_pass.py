@@ -4,7 +4,7 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture import BY_ADDRESS
+from live.base.picture_parameters import BY_ADDRESS
 from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Making, Moment, Surfaces
 from live.render.shader import program, set_uniform

@@ -6,9 +6,9 @@ from typing import Final
 import moderngl
 
 from live.base.custom_pass import NUMBERS, OwnPass
-from live.base.picture import OWN
+from live.base.picture_parameters import OWN
+from live.render.custom_pass import compiled
 from live.render.gl_release import release_all
-from live.render.own_program import compiled
 from live.render.pass_context import HDR, Making, Moment, Surfaces
 from live.render.shader import set_uniform
 

@@ -4,10 +4,10 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture import BY_ADDRESS
+from live.base.picture_parameters import BY_ADDRESS
 from live.render.camera import FAR, NEAR
-from live.render.full import Full
 from live.render.pass_context import Making, Moment, Surfaces
+from live.render.shader import Full
 
 _ROOT: Final = "/dance/pass/ink"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first

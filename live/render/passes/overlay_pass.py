@@ -1,17 +1,25 @@
-"""The operator's overlay: lines of text on a small dark panel in the upper left corner."""
+"""The operator's overlay: lines of text on a small dark panel in the upper left corner.
+
+The operator's guides: strokes over the picture that show what the show intends, not what the audience should see.
+
+The overlay's graph of the last frames: a bar for each, from frame to frame; what was late stands out.
+"""
 
 from typing import Final
 
 import moderngl
 import numpy as np
+import numpy.typing as npt
 
+from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
+from live.render.frame_stats import SHOWN
 from live.render.gl_release import release_all
 from live.render.lettering import Lettering, letter
 from live.render.shader import program, set_uniform
 
 _LIMIT: Final = 1024
 """Letters drawn at most."""
-_PER_HEIGHT: Final = 42
+_LINES_PER_HEIGHT: Final = 42
 """Lines of text that would fill the picture."""
 
 
@@ -33,7 +41,7 @@ class OverlayPass:
         """Draw `lines` over what `target` shows; nothing if there are none."""
         if not lines:
             return
-        height = max(12, round(size[1] / _PER_HEIGHT))
+        height = max(12, round(size[1] / _LINES_PER_HEIGHT))
         if height != self._height:
             self._bake(height)
         if lines != self._lines:
@@ -74,4 +82,72 @@ class OverlayPass:
         """Free everything."""
         if self._atlas is not None:
             self._atlas.release()
+        release_all(self._array, self._buffer, self._program)
+
+
+_STROKES_PER_HEIGHT: Final = 540
+"""Strokes of this breadth would fill the picture's height."""
+
+
+class GuidePass:
+    """Draws `guide_count` strokes over what the target shows, dancers included; nothing, at no cost, where none are."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = program(ctx, "guide_vertex.glsl", "guide_fragment.glsl")
+        self._buffer = ctx.buffer(reserve=GUIDE_CAPACITY * 40, dynamic=True)
+        self._array = ctx.vertex_array(self._program, [(self._buffer, "3f 3f 4f/i", "in_begin", "in_end", "in_colour")])
+
+    def draw(self, view: StageView, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
+        """Draw the view's guides over what `target` shows, of `size` [pixels]."""
+        if view.guide_count <= 0:
+            return
+        count = min(view.guide_count, GUIDE_CAPACITY)
+        self._buffer.write(view.guide[:count])
+        set_uniform(self._program, "breadth", max(0.5, 0.5 * size[1] / _STROKES_PER_HEIGHT))
+        target.use()
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._ctx.enable(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        self._ctx.disable(moderngl.BLEND)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._array, self._buffer, self._program)
+
+
+class GraphPass:
+    """Draws nothing, at no cost, where there is nothing to show."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = program(ctx, "graph_vertex.glsl", "graph_fragment.glsl", (("FRAMES", SHOWN),))
+        self._buffer = ctx.buffer(reserve=(SHOWN + 3) * 4, dynamic=True)
+        self._array = ctx.vertex_array(self._program, [(self._buffer, "1f/i", "in_time")])
+        self._values: npt.NDArray[np.float32] = np.zeros(SHOWN + 3, np.float32)
+        self.times = self._values[3:]
+        """Milliseconds from frame to frame, oldest first: fill the first `count`."""
+        self.count = 0
+        self.period = 0.0
+        """What a frame should take [ms]; 0: there is no graph."""
+
+    def draw(self, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
+        """Draw the graph in the lower left corner of `target`."""
+        if self.period <= 0.0 or self.count == 0:
+            return
+        target.use()
+        self._values[3 + self.count :] = 0.0
+        self._buffer.write(self._values)
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._ctx.enable(moderngl.BLEND)
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        edge = max(8.0, size[1] / 42.0)
+        set_uniform(self._program, "panel", (edge, edge, 0.28 * size[0], 0.11 * size[1]))
+        set_uniform(self._program, "period", self.period)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=SHOWN + 3)
+        self._ctx.disable(moderngl.BLEND)
+
+    def release(self) -> None:
+        """Free everything."""
         release_all(self._array, self._buffer, self._program)

@@ -8,7 +8,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.picture import PLAN, Float64
+from live.base.picture_parameters import PLAN, Float64
 from live.base.stage_snapshot import StageView
 from live.render.gl_release import release_all
 from live.render.pass_context import Making, Moment, ScenePass

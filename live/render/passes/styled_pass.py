@@ -1,9 +1,26 @@
-"""Bodies drawn in a style, in the place of plain ones: lit, flat, dissolving, with ink along their contours."""
+"""Bodies drawn in a style, in the place of plain ones: lit, flat, dissolving, with ink along their contours.
+
+X-ray: a skeleton that glows in a body of glass.
+
+Ghosts of dancers in the poses of earlier beats (after Marey's chronophotographs, 1882).
+
+All that the groups' styles ask for beside plain lit bodies; where they ask for nothing, nothing is done.
+"""
+
+from typing import Any
 
 import moderngl
+import numpy as np
 
+from live.base.picture_parameters import MOST_GHOSTS
+from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.motion_trails import PoseHistory
+from live.render.dancers.xray_skeleton import bone_vertices
 from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, ScenePass
+from live.render.passes.particle_pass import ParticlePass
+from live.render.passes.trail_pass import RibbonPass
 from live.render.shader import WORN, program, set_uniform
 
 
@@ -46,3 +63,134 @@ class StyledPass:
     def release(self) -> None:
         """Free the programs."""
         release_all(*(one for both in self._programs for one in both), *self._worn)
+
+
+class XrayPass:
+    """Draws over the bound target, which must not write depth."""
+
+    def __init__(self, making: Making) -> None:
+        ctx = self._ctx = making.ctx
+        constants = (("SOFT", 0),)
+        self._glass = program(ctx, "styled_vertex.glsl", "glass_fragment.glsl", constants)
+        self._bone = program(ctx, "bone_vertex.glsl", "bone_fragment.glsl", constants)
+        self._bones = ctx.buffer(bone_vertices().tobytes())
+
+    def draw(self, crowd: Crowd) -> None:
+        """Draw all dancers who are looked through."""
+        self._ctx.enable(moderngl.CULL_FACE)
+        crowd.draw(self._glass, crowd.quality.ghost_level, "xray")
+        self._ctx.disable(moderngl.CULL_FACE)
+        crowd.draw_other(self._bone, "xray", self._vertices, moderngl.TRIANGLES)
+
+    def _vertices(self, body: str) -> tuple[Any, ...]:
+        return self._bones, "4f 4f 4f", "in_begin", "in_end", "in_bone"
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._bones, self._glass, self._bone)
+
+
+class GhostPass:
+    """Draws over the bound target, which must not write depth; `follow` once a picture while there are trails."""
+
+    def __init__(self, making: Making) -> None:
+        ctx = self._ctx = making.ctx
+        self._program = program(ctx, "ghost_vertex.glsl", "ghost_fragment.glsl", (("SOFT", 0),))
+        self.history = PoseHistory(ctx, max(making.scene.dancer_count, 1))
+
+    def follow(self, crowd: Crowd, view: StageView) -> None:
+        """Take the poses of this picture where a ghost is to be left."""
+        self.history.update(view, crowd)
+
+    def draw(self, crowd: Crowd) -> None:
+        """Draw the ghosts of all dancers who have any, the oldest first."""
+        self._ctx.enable(moderngl.CULL_FACE)
+        ages = [self.history.ages(slot) for slot in range(MOST_GHOSTS)]
+        for slot in sorted(range(MOST_GHOSTS), key=lambda slot: -float(ages[slot].max())):
+            if ages[slot].max() >= 0.0:
+                set_uniform(self._program, "ages", [tuple(four) for four in np.reshape(ages[slot], (4, 4)).tolist()])
+                crowd.draw(self._program, crowd.quality.ghost_level, "trails", poses=self.history.textures[slot])
+        self._ctx.disable(moderngl.CULL_FACE)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._program, self.history)
+
+
+_LIGHT = ("trails", "ribbons", "xray", "particles")
+
+
+class StylePasses(ScenePass):
+    """Bodies in styles are drawn with the other dancers; ghosts, ribbons, x-rays and particles over the stage."""
+
+    def __init__(self, making: Making) -> None:
+        self._ctx, self._many = making.ctx, making.quality.samples > 0
+        self._styled = StyledPass(making.ctx, worn=bool(making.scene.characters))
+        self._ghosts, self._ribbons = GhostPass(making), RibbonPass(making)
+        self._particles, self._xray = ParticlePass(making), XrayPass(making)
+
+    def active(self, moment: Moment) -> bool:
+        """Whether any group is drawn otherwise than as plain lit bodies."""
+        if moment.crowd.styles.any:
+            return True
+        self._ghosts.history.forget()
+        self._ribbons.history.forget()
+        return False
+
+    def prepare(self, moment: Moment) -> None:
+        """What leaves a trace is followed while any group shows it."""
+        styles = moment.crowd.styles
+        for each, name in ((self._ribbons, "ribbons"), (self._ghosts, "trails")):
+            if styles.masks[name].any():
+                each.follow(moment.crowd, moment.view)
+            else:
+                each.history.forget()
+
+    def surfaces(self, moment: Moment) -> None:
+        """Where bodies in styles are, and how deep."""
+        if _bodies(moment):
+            self._styled.draw(moment.crowd, moment.floor, surface=True)
+
+    def lit(self, moment: Moment) -> None:
+        """Bodies in styles, in a multisampled picture."""
+        if _bodies(moment):
+            self._styled.draw(moment.crowd, moment.floor)
+
+    def over_active(self, moment: Moment) -> bool:
+        """Where the processor draws, bodies in styles are lit here, too: their depth is known already."""
+        return _light(moment) or (_bodies(moment) and not self._many)
+
+    def over(self, moment: Moment) -> None:
+        """Draw what is left of bodies in styles, then light over the stage, the softest first."""
+        ctx, crowd = self._ctx, moment.crowd
+        target = ctx.fbo
+        target.depth_mask = False
+        if _bodies(moment) and not self._many:
+            self._styled.draw(crowd, moment.floor)
+        ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
+        ctx.disable(moderngl.CULL_FACE)
+        ctx.depth_func = "<="
+        ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        if crowd.count("trails"):
+            self._ghosts.draw(crowd)
+        if crowd.count("ribbons"):
+            self._ribbons.draw(crowd)
+        if crowd.count("xray"):
+            self._xray.draw(crowd)
+        if crowd.count("particles"):
+            self._particles.draw(crowd, moment.view)
+        ctx.depth_func = "<"
+        ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
+        target.depth_mask = self._many
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._styled, self._ghosts, self._ribbons, self._particles, self._xray)
+
+
+def _bodies(moment: Moment) -> bool:
+    return moment.crowd.count("bodies near") + moment.crowd.count("bodies far") > 0
+
+
+def _light(moment: Moment) -> bool:
+    return any(moment.crowd.count(name) for name in _LIGHT)

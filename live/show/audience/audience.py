@@ -17,7 +17,7 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.audience.voting import Turn, Vote, called, choices_of
 from live.show.group.elements import SCORE, Elements
-from live.show.patch.audience import AudienceSection
+from live.show.patch.section_io import AudienceSection
 
 Float32 = npt.NDArray[np.float32]
 Int64 = npt.NDArray[np.int64]

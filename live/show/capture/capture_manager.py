@@ -15,19 +15,19 @@ import numpy.typing as npt
 from live.base.errors import PersonError, named
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.control.capture.mocap_seats import ALONE
+from live.control.capture.vmc_input import ALONE
 from live.control.events import capture as events
 from live.control.events.event import ControlEvent
 from live.control.events.groups import Performer
 from live.control.registry.control import Plain
-from live.motion.capture.leading_kernels import put_agents
-from live.show.capture.captured import Captured, Float64, Int64
+from live.motion.capture.capture_blend_kernels import put_agents
+from live.show.capture.performer import Captured, Float64, Int64
 from live.show.capture.performer_forces import Presence
-from live.show.capture.performers import FASTEST
+from live.show.capture.stage_presence import FASTEST
 from live.show.dancers.dancers import Dancers
 from live.show.group.group_motion import GroupMotion
-from live.show.patch.mocap import MocapSection
 from live.show.patch.patch import Patch
+from live.show.patch.section_io import MocapSection
 from live.show.selection.scheduler import Scheduler
 
 Bool = npt.NDArray[np.bool_]

@@ -7,7 +7,7 @@ import numpy as np
 from live.clock.timeline import Timeline
 from live.control.events.elements import Attract, Repel
 from live.control.events.groups import Performer
-from live.show.capture.captured import HOLD, Captured
+from live.show.capture.performer import HOLD, Captured
 from live.show.group.group_motion import GroupMotion
 
 DRAWS_EVERY: Final = 8

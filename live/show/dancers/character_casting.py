@@ -5,12 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from live.base.bodies import USUAL
-from live.base.character import CharacterFile, Worn
+from live.base.body_catalogue import USUAL, CharacterFile, Worn
 from live.base.errors import PersonError
-from live.show.patch.character import CharacterSection
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import find_beside
+from live.show.patch.patch_reader import find_beside
+from live.show.patch.section_picture import CharacterSection
 
 _BODIES_SEED = 23
 _CHARACTERS_SEED = 29

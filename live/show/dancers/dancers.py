@@ -4,22 +4,21 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import begun
+from live.graph.select.candidates import begun
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
+from live.motion.pose.foot_lock import LEG_JOINTS, FootLock, Landing
+from live.motion.pose.foot_lock_kernels import hold_where_wanted
 from live.motion.pose.gather_kernels import clear_feet
 from live.motion.pose.hand_hold import Hands
 from live.motion.pose.inertialization import Inertia
 from live.motion.pose.inertialization_kernels import LONGEST
-from live.motion.pose.landing import Landing
-from live.motion.pose.placing_kernels import hold_where_wanted
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.live_bank import TextureBank
-from live.show.capture.captured import Captured
+from live.show.capture.performer import Captured
 from live.show.dancers.current_measure import Dancing
+from live.show.dancers.live_texture import Texturing
 from live.show.dancers.measure_state import UNDECIDED, turn_vectors
-from live.show.dancers.texturing import Texturing
 from live.show.dancers.variation import Variation
 from live.show.partner.leader_input import Tracks
 from live.show.partner.partner_response import Answering

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from live.base.stage_snapshot import StageView
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-from live.show.core import Show
+from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]

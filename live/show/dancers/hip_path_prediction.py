@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.separation.paths import MOMENTS, Paths
-from live.graph.select.placing import take_offset
+from live.agents.separation.path_separation import MOMENTS, Paths
+from live.graph.select.candidates import take_offset
 from live.motion.editing.time_warp import measure_warp
-from live.motion.pose.turning_kernels import trace_hips
+from live.motion.pose.turn_kernels import trace_hips
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import Danced
 

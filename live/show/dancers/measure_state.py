@@ -4,12 +4,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import own_end, take_placement, turn_vectors
+from live.graph.select.candidates import own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
-from live.motion.pose.ending_kernels import end_dancers
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.shifting_kernels import bound_aims, re_aim_dancers
-from live.motion.pose.turning_kernels import place_dancers
+from live.motion.pose.root_warp_kernels import bound_aims, re_aim_dancers
+from live.motion.pose.turn_kernels import end_dancers, place_dancers
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -4,18 +4,28 @@ In a group with `partners` its members 1 and 2, 3 and 4 ... are pairs: one leads
 the two ends of a rod (`pair_steering.py`); where the leader's measure ends, and which way she faces there, says where
 the follower's measure should end. An odd member dances alone. Whoever leaves her group or the stage lets go at once;
 who is left over finds a new partner at the next measure line.
+
+Pair steering: the agents of partners advance as the two ends of a rod, on the stage and in the look-ahead.
+
+Following: partners who follow choose their next measures after their leaders have, to end at their side.
 """
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.select.placing import turn_vectors, wrapped
+from live.agents.agent_command import Wants
+from live.agents.crowd.agent_state import AgentState, Steering
+from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.obstacles import Surroundings
+from live.graph.select.candidates import turn_vectors, wrapped
+from live.graph.select.selector import Choosing, with_direction
 from live.motion.pose.hand_hold import LEFT, NOBODY, RIGHT
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
+from live.show.selection.choices import Choices
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -221,3 +231,130 @@ def _holds(manner: int, hands: str) -> tuple[tuple[int, int], ...]:
     if manner == ALONE or hands == "none":
         return ()
     return _HANDS[manner] if hands == "both" else _HANDS[manner][:1]
+
+
+CLOSING_S: Final = 0.6
+"""Two who are on the way to each other would meet in this time [s], if they were fast enough."""
+RATE: Final = 1.0
+"""A rod gets its length back at this speed [m/s] at most."""
+FIRM: Final = 0.5
+"""From this firmness on what the leader is asked to do counts for both."""
+
+
+class PairSteering:
+    """Advances agents as `Advance` does, pairs as one."""
+
+    def __init__(self, advance: Advance, partners: Partners) -> None:
+        self._advance, self._partners = advance, partners
+
+    def resize(self, half_width: float, half_depth: float) -> None:
+        """The stage's half sizes [m] are these from now on."""
+        self._advance.resize(half_width, half_depth)
+
+    def steer(self, steering: Steering) -> None:
+        """Other parameters from now on; the stage's size stays."""
+        self._advance.steer(steering)
+
+    def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
+        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        self._advance.yield_to(rows, responsibility)
+
+    def __call__(
+        self,
+        current: AgentState,
+        out: AgentState,
+        *,
+        wants: Wants,
+        surroundings: Surroundings,
+        time: float,
+        dt: float,
+    ) -> None:
+        """Read `current`, write `out`, `dt` [s] later; `wants` is changed to what both of a pair want."""
+        if len(self._partners.leader):
+            self._ask(wants, current)
+        self._advance(current, out, wants=wants, surroundings=surroundings, time=time, dt=dt)
+        if len(self._partners.leader):
+            self._hold(out, dt)
+
+    def _ask(self, wants: Wants, state: AgentState) -> None:
+        """Both of a pair want the same; who are still apart go to each other."""
+        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
+        firm = wants.firm[lead] > FIRM
+        both = 0.5 * (wants.velocity[lead] + wants.velocity[follow])
+        both = np.where(firm[:, None], wants.velocity[lead], both)
+        wants.firm[follow] = wants.firm[lead]
+        wants.alignment[follow], wants.cohesion[follow] = wants.alignment[lead], wants.cohesion[lead]
+        speed = np.minimum(wants.speed[lead], wants.speed[follow])
+        wants.speed[lead], wants.speed[follow] = speed, speed
+        between = (state.position[follow] - state.position[lead]).astype(np.float64)
+        apart = np.maximum(np.hypot(*between.T), 1e-6)
+        far = np.where(apart - arm > MEET, apart - arm, 0.0)
+        close = between * (np.minimum(0.5 * far / CLOSING_S, speed) / apart)[:, None]
+        wants.velocity[lead] = both + close
+        wants.velocity[follow] = both - close
+        for rows in (lead, follow):  # nobody is pushed off by her own partner
+            wants.separation[rows] = np.minimum(wants.separation[rows], arm)
+
+    def _hold(self, state: AgentState, dt: float) -> None:
+        """The rod keeps its length, and neither end moves along it faster than the other."""
+        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
+        between = (state.position[follow] - state.position[lead]).astype(np.float64)
+        apart = np.maximum(np.hypot(*between.T), 1e-6)
+        way = between / apart[:, None]
+        amiss = apart - arm
+        held = amiss <= MEET
+        move = np.where(held, np.clip(0.5 * amiss, -RATE * dt, RATE * dt), 0.0)[:, None] * way
+        state.position[lead] += move
+        state.position[follow] -= move
+        along = ((state.velocity[follow] - state.velocity[lead]) * way).sum(axis=1)
+        change = np.where(held, 0.5 * along, 0.0)[:, None] * way
+        state.velocity[lead] += change
+        state.velocity[follow] -= change
+
+
+TOO_FAR: Final = 0.4
+"""A follower whose measure would end so far [m] from her place may dance any side of the step."""
+
+
+def place_followers(
+    partners: Partners, choosing: Choosing, choices: Choices, heading: Float64, asked: tuple[Any, ...]
+) -> tuple[Int32, Int32]:
+    """Say where followers should end, once everybody has chosen, `asked` with these arguments of `Choosing.choose`.
+
+    Leaders end where their clips and corrections take them, and face what their turns reach: both are written into
+    the targets and `heading` (A,) [rad], and their followers' places and headings beside them. Returns the followers
+    (P,) and the sides they want: the mirror image of what their leaders dance where they face them, else the same.
+    """
+    node, _, wish, _, _, _, manner, _ = asked
+    lead, follow = partners.leader, partners.follower
+    end, edge = choices.end[lead], choices.edge[lead, 0]
+    chosen = np.where(edge < 0, node[lead], choosing.graph.edge_target[np.maximum(edge, 0)])
+    way = choices.target[lead] - end[:, :2]
+    most = manner[lead, 2] * choosing.facts[chosen, 0]
+    reached = end[:, :2] + way * np.minimum(1.0, most / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
+    facing = heading[lead] - end[:, 3]
+    lost = edge < 0  # cannot happen in a pruned graph
+    reached[lost], facing[lost] = choices.target[lead][lost], heading[lead][lost]
+    partners.follow(reached, facing, choices.target, heading)
+    wish[follow] = with_direction(np.column_stack([choices.target[follow], heading[follow]]))
+    return follow, partners.sides(choosing.graph.library.node_side[chosen])
+
+
+def choose_following(rows: Int32, sides: Int32, choosing: Choosing, choices: Choices, asked: tuple[Any, ...]) -> None:
+    """Choose anew for the followers `rows` (n,) who want these `sides` (n,); to stay together is more than to dance on
+    the same feet."""
+    _choose(rows, sides, choosing, asked)
+    off = np.hypot(*(choices.end[rows, :2] - choices.target[rows]).T)
+    far = rows[off > TOO_FAR]
+    if len(far):
+        _choose(far, np.zeros(len(far), np.int32), choosing, asked)
+
+
+def _choose(rows: Int32, sides: Int32, choosing: Choosing, asked: tuple[Any, ...]) -> None:
+    node, placement, wish, row, ahead, _, manner, out = asked
+    results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
+    choosing.choose(
+        slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows], results
+    )
+    for array, result in zip(out, results, strict=True):
+        array[rows] = result

@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from live.agents.agent_command_kernels import same_indices
 from live.agents.entrances.entrances import ON
-from live.agents.separation.paths import Paths
-from live.motion.pose import aiming_kernels as row
+from live.agents.separation.path_separation import Paths
+from live.motion.pose import root_warp_kernels
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.hip_path_prediction import trace
 from live.show.dancers.measure_state import Danced
@@ -41,14 +41,14 @@ class Carried:
         """Where the hips go in the present measure."""
         self.node: Int32 = np.full(count, -1, np.int32)
         """Of which node `paths` are."""
-        self.rows: Float64 = np.zeros((row.ROWS, count, 2))
-        self.begin, self.end = self.rows[row.BEGIN], self.rows[row.END]
+        self.rows: Float64 = np.zeros((root_warp_kernels.ROWS, count, 2))
+        self.begin, self.end = self.rows[root_warp_kernels.BEGIN], self.rows[root_warp_kernels.END]
         """Where the hips are when the measure begins, and when it ends if it is not corrected."""
-        self.goal = self.rows[row.GOAL]
+        self.goal = self.rows[root_warp_kernels.GOAL]
         """What corrections shall lead to."""
-        self.predicted: Float64 = self.rows[row.PREDICTED]
+        self.predicted: Float64 = self.rows[root_warp_kernels.PREDICTED]
         """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach."""
-        self.asked, self.foreseen = self.rows[row.ASKED], self.rows[row.FORESEEN]
+        self.asked, self.foreseen = self.rows[root_warp_kernels.ASKED], self.rows[root_warp_kernels.FORESEEN]
         """The same as it was decided, and as it would be if steps reached everywhere."""
         self.room: Float64 = np.tile(motion.floor.half, (count, 1))
         """How far to each side of the centre the present measure may end [m], (A, 2): who began it outside, because the
@@ -70,7 +70,9 @@ class Carried:
         if (self.node < 0).all():  # the first measure: nobody asked for another end than that of her steps
             self.asked[:] = self.foreseen[:] = self.end + present.correction[:, :2]
         self.node[:] = present.node
-        row.begin_rows(self.rows, self.paths.path, present.correction, self.motion.state.position, reference)
+        root_warp_kernels.begin_rows(
+            self.rows, self.paths.path, present.correction, self.motion.state.position, reference
+        )
 
     def put_elsewhere(self, who: Int64) -> None:
         """The dancers `who` (n,) were put into other measures in the middle of this one: go on with those."""
@@ -80,13 +82,13 @@ class Carried:
         self.node[who] = present.node[who]
         self.begin[who] = self.paths.path[who, 0]
         self.end[who] = present.end_position()[who] - present.correction[who, :2]
-        for place in (row.PLAN, row.AIM, row.GOAL):
+        for place in (root_warp_kernels.PLAN, root_warp_kernels.AIM, root_warp_kernels.GOAL):
             self.rows[place, who] = present.correction[who, :2]
-        self.rows[row.DODGE, who] = self.rows[row.AIM_SPEED, who] = 0.0
+        self.rows[root_warp_kernels.DODGE, who] = self.rows[root_warp_kernels.AIM_SPEED, who] = 0.0
 
     def keep_on_stage(self, way: Float64, end: Float64, room: Float64) -> None:
         """Change the ways (A, 2) [m] from `end` (A, 2) so that nobody on the stage leaves her `room` (A, 2) of it."""
-        row.keep_ends(way, end, self.motion.entrances.state, ON, room)
+        root_warp_kernels.keep_ends(way, end, self.motion.entrances.state, ON, room)
 
     def level(self, way: Float64, end: Float64, *, coming: bool) -> None:
         """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that partners stay together."""

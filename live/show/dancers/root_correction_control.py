@@ -13,14 +13,13 @@ import numpy.typing as npt
 
 from live.agents.agent_command_kernels import same_indices
 from live.agents.entrances.entrances import ON, WAITING
-from live.agents.separation.paths import PathParting
-from live.motion.capture.leading_kernels import take_dance_along
-from live.motion.pose.aiming_kernels import carry_agents, end_rows, settle_ways
-from live.motion.pose.rise import MOST_HELD
-from live.show.dancers.coming import Coming
+from live.agents.separation.path_separation import PathParting
+from live.motion.capture.capture_blend_kernels import take_dance_along
+from live.motion.pose.root_warp import MOST_HELD
+from live.motion.pose.root_warp_kernels import carry_agents, end_rows, settle_ways
+from live.show.dancers.collision_avoidance import Pushing
+from live.show.dancers.correction_update import FAITHFUL, Coming, ReAiming
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.pushing import Pushing
-from live.show.dancers.re_aiming import FAITHFUL, ReAiming
 from live.show.dancers.root_correction import Carried
 from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch

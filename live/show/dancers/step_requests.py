@@ -9,10 +9,9 @@ from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
-from live.graph.search.wanted import parse_sequence
+from live.graph.search.sequence import parse_sequence
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.variation import Variation
-from live.show.dancers.variety import Variety
+from live.show.dancers.variation import Variation, Variety
 from live.show.desk.refusals import Refusals
 from live.show.group.casting import Casting
 from live.show.partner.partner_response import Answering

@@ -2,6 +2,10 @@
 
 What moves is the same for everybody who draws the show: the way around is in the parameters themselves, tick by tick;
 who is followed is damped here, so that a dancer's steps are not the camera's.
+
+Chase: a place on the floor that goes after somebody, damped, so that her steps are not the lamp's.
+
+Spots: the follow spots of a show; whom each follows. How bright, how wide and of what colour are parameters.
 """
 
 import math
@@ -10,14 +14,87 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base import picture
-from live.base.errors import named
-from live.show.desk.chase import Chase
+from live.base import picture_parameters
+from live.base.errors import PersonError, named
+from live.base.picture_parameters import BY_ADDRESS, SPOTS
+from live.base.stage_snapshot import StageView
 from live.show.desk.parameters import Parameters, turned
 from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 
 Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+CALM: Final = 4.0
+"""How stiffly it follows [1/s]: critically damped, and behind a walk of 1 m/s by half a metre."""
+
+
+class Chase:
+    """One such place. Thread: the show's."""
+
+    def __init__(self, motion: GroupMotion, whom: str = "*") -> None:
+        self._motion = motion
+        self.whom = whom
+        """Who is followed, in words for `Casting.select`."""
+        self._who: Bool | None = None
+        self._centre: Float64 = np.zeros(2)
+        self._speed: Float64 = np.zeros(2)
+        self.running = False
+        """Whether it is anywhere."""
+
+    def follow(self, whom: str, *, cut: bool = False) -> None:
+        """Follow whom these words mean from now on, at once if it is a `cut`; PersonError if they mean nobody."""
+        self._who = self._motion.casting.select(whom, self._motion.state.position.astype(np.float64))
+        self.whom = whom
+        self.running = self.running and not cut
+
+    def turn_to(self, whom: str) -> None:
+        """The same for words that were checked, whoever they mean now."""
+        self.whom, self._who = whom, None
+
+    def begin_measure(self) -> None:
+        """Who is meant may have changed: groups do, and places."""
+        self._who = None
+
+    def stop(self) -> None:
+        """Nobody looks: when somebody does again, it is there at once."""
+        self.running = False
+
+    def tick(self, seconds: float) -> None:
+        """So much time has passed."""
+        goal = self._goal()
+        if not self.running:
+            self._centre, self._speed, self.running = goal, np.zeros(2), True
+            return
+        # critically damped, exact for a goal that stands (Lowe 2004, Game Programming Gems 4)
+        off, damp = self._centre - goal, math.exp(-CALM * seconds)
+        pull = (self._speed + CALM * off) * seconds
+        self._centre = goal + (off + pull) * damp
+        self._speed = (self._speed - CALM * pull) * damp
+
+    def _goal(self) -> Float64:
+        """The middle of whom it follows; where it is if nobody of them is on the stage."""
+        position, present = self._motion.state.position, self._motion.present
+        if self._who is None:
+            try:
+                self._who = self._motion.casting.select(self.whom, position.astype(np.float64))
+            except PersonError:  # nobody stands there any more, as in `left & front`
+                self._who = np.zeros(len(position), np.bool_)
+        there = self._who & present
+        if not there.any():
+            return self._centre.copy()
+        middle: Float64 = position[there].mean(axis=0, dtype=np.float64)
+        return middle
+
+    def at(self, seconds: float) -> Float64:
+        """Where it is so long after the last tick: (x, z) [m]."""
+        where: Float64 = self._centre + self._speed * seconds
+        return where
+
+    def hashed(self) -> tuple[Float64, ...]:
+        """What belongs to the state of the show; nothing while it is nowhere."""
+        return (self._centre, self._speed) if self.running else ()
+
 
 NOBODY: Final = ("", "off", "nobody")
 
@@ -52,27 +129,73 @@ class CameraRig:
     def tick(self, seconds: float, beats: float) -> None:
         """So much time has passed."""
         row = self._parameters.picture
-        rate = float(row[picture.ORBIT])
+        rate = float(row[picture_parameters.ORBIT])
         if rate and not self._parameters.held:
             self._parameters.turn_camera(math.tau * rate * beats / self._beats)
-        if row[picture.FOLLOWING] > 0.0:
+        if row[picture_parameters.FOLLOWING] > 0.0:
             self.chase.tick(seconds)
         else:
             self.chase.stop()
 
     def place(self, row: Float64, seconds: float, beats: float) -> None:
         """Bring the camera of a picture's `row` to where it is so long after the last tick."""
-        eye, target = picture.EYE, picture.TARGET
-        rate = float(row[picture.ORBIT])
+        eye, target = picture_parameters.EYE, picture_parameters.TARGET
+        rate = float(row[picture_parameters.ORBIT])
         if rate and beats and not self._parameters.held:
             row[eye] = turned(row[eye], row[target], math.tau * rate * beats / self._beats)
-        share = float(row[picture.FOLLOWING])
+        share = float(row[picture_parameters.FOLLOWING])
         if share <= 0.0 or not self.chase.running:
             return
         way = share * (self.chase.at(seconds) - row[[target.start, target.start + 2]])
         row[[target.start, target.start + 2]] += way
-        row[[eye.start, eye.start + 2]] += float(row[picture.ALONG]) * way
+        row[[eye.start, eye.start + 2]] += float(row[picture_parameters.ALONG]) * way
 
     def facts(self) -> dict[str, Any]:
         """For the status."""
         return {"follows": self.chase.whom if self.chase.running else None}
+
+
+class Spots:
+    """All follow spots. Call `tick` for every tick, `place` for every picture. Thread: the show's."""
+
+    def __init__(self, parameters: Parameters, motion: GroupMotion) -> None:
+        self._parameters = parameters
+        self._chases = tuple(Chase(motion) for _ in range(SPOTS))
+        self._levels = [BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOTS + 1)]
+
+    def follow(self, number: float, whom: str, level: float, *, beats: float) -> None:
+        """Spot `number`, from 1, follows whom these words mean and goes to `level` in so many beats; PersonError if
+        they mean nobody."""
+        if number != int(number):
+            raise PersonError(f"spot {number:g}: 1 to {SPOTS} expected")
+        place = int(number) - 1
+        self._chases[place].follow(whom, cut=beats <= 0.0)
+        self._parameters.fade({self._levels[place]: level}, beats=beats)
+
+    def begin_measure(self) -> None:
+        """Who is meant may have changed."""
+        for chase in self._chases:
+            chase.begin_measure()
+
+    def tick(self, seconds: float) -> None:
+        """So much time has passed."""
+        row = self._parameters.picture
+        for chase, level in zip(self._chases, self._levels, strict=True):
+            if row[level] > 0.0:
+                chase.tick(seconds)
+            else:
+                chase.stop()
+
+    def place(self, view: StageView, seconds: float) -> None:
+        """Say in a view where the spots are so long after the last tick."""
+        for number, chase in enumerate(self._chases):
+            if chase.running:
+                view.spot[number] = chase.at(seconds)
+
+    def hashed(self) -> tuple[Float64, ...]:
+        """What belongs to the state of the show; nothing while all spots are dark."""
+        return tuple(part for chase in self._chases for part in chase.hashed())
+
+    def facts(self) -> dict[str, Any]:
+        """For the status: whom each spot that is lit follows."""
+        return {"spots": {str(n): chase.whom for n, chase in enumerate(self._chases, start=1) if chase.running}}

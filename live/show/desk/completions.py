@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from live.control.registry.capture_controls import MOCAP_CONTROLS
-from live.show.core import Show
 from live.show.patch.patch import Patch
-from live.show.patch.segment import formation_names
+from live.show.patch.section_score import formation_names
+from live.show.show import Show
 
 FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "heart")
 """Where a patch names no formation of its own."""

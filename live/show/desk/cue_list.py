@@ -12,9 +12,8 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.patch.cue import CueSection
-from live.show.score.places import END
-from live.show.score.playhead import Playhead
+from live.show.patch.section_cues import CueSection
+from live.show.score.playhead import END, Playhead
 
 DEBOUNCE: Final = 0.25
 """A second GO of one source within so many seconds is the same press ..."""

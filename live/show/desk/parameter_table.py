@@ -1,6 +1,6 @@
 """ParameterTable: everything in a show that has a value at any moment, by the address of the control that sets it.
 
-Two families: the picture's (`live.base.picture`), and how the dancers of each group vary
+Two families: the picture's (`live.base.picture_parameters`), and how the dancers of each group vary
 (`live.show.dancers.variation`). All values of a show are one row of numbers: first the picture's, then those of each
 group.
 """
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
 
-from live.base import picture
+from live.base import picture_parameters
 from live.base.errors import PersonError
 from live.control.registry.control import Argument
-from live.control.registry.motion import MOTION_PARAMETERS
+from live.control.registry.motion_controls import MOTION_PARAMETERS
 from live.control.registry.rejections import Reason
 
 VIEW: Final = "/dance/camera"
@@ -44,7 +44,11 @@ class Parameter:
 
 def addresses() -> list[str]:
     """All addresses that have a value."""
-    return [*(known.address for known in picture.PARAMETERS), *picture.OF_GROUPS, *MOTION_PARAMETERS]
+    return [
+        *(known.address for known in picture_parameters.PARAMETERS),
+        *picture_parameters.OF_GROUPS,
+        *MOTION_PARAMETERS,
+    ]
 
 
 def split(key: str) -> tuple[str, str]:
@@ -61,7 +65,7 @@ def check_setting(key: str, value: object) -> None:
             raise PersonError(f"{key!r} = {value!r}", f"the name of a {'view' if address == VIEW else 'look'} expected")
         return
     numbers_of(address, value)
-    if group != "*" and address in picture.BY_ADDRESS:
+    if group != "*" and address in picture_parameters.BY_ADDRESS:
         raise PersonError(f"{key!r}: light and camera belong to no group", f"write {address!r}")
 
 
@@ -79,7 +83,7 @@ def numbers_of(address: str, value: object) -> tuple[float, ...]:
         if isinstance(checked, Reason):
             raise PersonError(f"{address!r} = {value!r}: {checked}", f"expected {argument.expected}")
         return (float(checked),)
-    known = picture.OF_GROUPS.get(address) or picture.BY_ADDRESS.get(address)
+    known = picture_parameters.OF_GROUPS.get(address) or picture_parameters.BY_ADDRESS.get(address)
     if known is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
@@ -96,20 +100,20 @@ class ParameterTable:
     def __init__(self, groups: Sequence[str]) -> None:
         self._groups = tuple(name.casefold() for name in groups)
         self._at: dict[str, list[Parameter]] = {}
-        for known in picture.PARAMETERS:
+        for known in picture_parameters.PARAMETERS:
             self._at[known.address] = [Parameter(known.address, -1, known.first, known.size)]
-        for address, known in picture.OF_GROUPS.items():
+        for address, known in picture_parameters.OF_GROUPS.items():
             self._at[address] = [
-                Parameter(address, group, picture.of_group(address, group).first, known.size)
+                Parameter(address, group, picture_parameters.of_group(address, group).first, known.size)
                 for group in range(len(groups))
             ]
         for address, (field, argument) in MOTION_PARAMETERS.items():
             switch = argument.type == "bool" or field in _SWITCHES
-            place = picture.SIZE + FIELDS.index(field)
+            place = picture_parameters.SIZE + FIELDS.index(field)
             self._at[address] = [
                 Parameter(address, group, place + group * len(FIELDS), 1, switch) for group in range(len(groups))
             ]
-        self.size = picture.SIZE + len(groups) * len(FIELDS)
+        self.size = picture_parameters.SIZE + len(groups) * len(FIELDS)
         """Numbers of the row."""
         self.switches = frozenset(one.first for found in self._at.values() for one in found if one.switch)
         """Places of those that cannot fade."""

@@ -11,9 +11,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base import picture
-from live.show.dancers.variation import Variation
-from live.show.dancers.variety import Variety
+from live.base import picture_parameters
+from live.show.dancers.variation import Variation, Variety
 from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
 
 Float64 = npt.NDArray[np.float64]
@@ -38,7 +37,7 @@ class Parameters:
         self._variation = variation
         self.value: Float64 = np.zeros(table.size)
         """All values now, shape (P,)."""
-        self.value[: picture.SIZE] = start
+        self.value[: picture_parameters.SIZE] = start
         self._listen()
         self.start: Float64 = self.value.copy()
         """What the patch says, shape (P,)."""
@@ -56,7 +55,7 @@ class Parameters:
     @property
     def picture(self) -> Float64:
         """The picture's row now, shape (picture.SIZE,): a view."""
-        return self.value[: picture.SIZE]
+        return self.value[: picture_parameters.SIZE]
 
     @property
     def fading(self) -> int:
@@ -75,7 +74,10 @@ class Parameters:
         self.touched = True
         at_once: list[int] = []
         for place, goal in goals.items():
-            light = place < picture.SIZE and not picture.CAMERA.start <= place < picture.CAMERA.stop
+            light = (
+                place < picture_parameters.SIZE
+                and not picture_parameters.CAMERA.start <= place < picture_parameters.CAMERA.stop
+            )
             length = 0.0 if place in self.table.switches else max(beats, SOFT) if light else beats
             self._fading[place] = fades = length > 1e-9
             if not fades:
@@ -85,14 +87,14 @@ class Parameters:
             self._from[place], self._goal[place] = self.value[place], goal
             self._began[place], self._length[place] = self.beat, length
         self._running = int(np.count_nonzero(self._fading))
-        told = [place for place in at_once if place >= picture.SIZE]
+        told = [place for place in at_once if place >= picture_parameters.SIZE]
         if told:
             self._tell(np.array(told, np.intp))
 
     def told(self, field: str, groups: Iterable[int]) -> None:
         """Somebody else has set how these groups vary: no fade changes that any more."""
         for group in groups:
-            self._fading[picture.SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
+            self._fading[picture_parameters.SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
         self._running = int(np.count_nonzero(self._fading))
 
     def reset(self, *, beats: float) -> None:
@@ -102,7 +104,7 @@ class Parameters:
     def take_patch(self, fresh: "Parameters") -> None:
         """An edited patch says something else of the picture: that comes in `NEW` beats; what it does not change stays
         as it was set. `Variation` takes over what it says of variety by itself."""
-        changed = np.flatnonzero(fresh.start[: picture.SIZE] != self.start[: picture.SIZE])
+        changed = np.flatnonzero(fresh.start[: picture_parameters.SIZE] != self.start[: picture_parameters.SIZE])
         self.start = fresh.start
         if len(changed):
             self.fade({int(place): float(self.start[place]) for place in changed}, beats=NEW)
@@ -110,7 +112,7 @@ class Parameters:
     def present(self) -> Float64:
         """Everything as it is now, shape (P,): a copy; nothing of the show's own state changes by that."""
         row = self.value.copy()
-        row[picture.SIZE :] = self._varied()
+        row[picture_parameters.SIZE :] = self._varied()
         return row
 
     def goals(self) -> Float64:
@@ -141,17 +143,17 @@ class Parameters:
         done = share >= 1.0
         goal = self._goal[rows]
         self.value[rows] = np.where(done, goal, self._from[rows] + (goal - self._from[rows]) * eased)
-        eye = (rows == picture.EYE.start).nonzero()[0]
+        eye = (rows == picture_parameters.EYE.start).nonzero()[0]
         if len(eye) and not done[eye[0]]:
             self._orbit(float(eased[eye[0]]))
         self._fading[rows[done]] = False
         self._running -= int(np.count_nonzero(done))
-        if len(rows) and rows[-1] >= picture.SIZE and (told or done.any()):
-            self._tell(rows[rows >= picture.SIZE])
+        if len(rows) and rows[-1] >= picture_parameters.SIZE and (told or done.any()):
+            self._tell(rows[rows >= picture_parameters.SIZE])
 
     def _orbit(self, share: float) -> None:
         """The camera goes around what it looks at, not through it: the way is even in distance, bearing and height."""
-        eye, target = picture.EYE, picture.TARGET
+        eye, target = picture_parameters.EYE, picture_parameters.TARGET
         towards = self._goal if self._fading[target.start] else self.value
         begin = self._from if self._fading[target.start] else self.value
         a, b = self._from[eye] - begin[target], self._goal[eye] - towards[target]
@@ -164,7 +166,7 @@ class Parameters:
 
     def turn_camera(self, angle: float) -> None:
         """The camera goes around what it looks at by `angle` [rad], and so does the way that it is on."""
-        eye, target = picture.EYE, picture.TARGET
+        eye, target = picture_parameters.EYE, picture_parameters.TARGET
         for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
             around = row if self._fading[target.start] else self.value
             row[eye] = turned(row[eye], around[target], angle)
@@ -173,7 +175,7 @@ class Parameters:
 
     def _listen(self) -> None:
         """Take up how the groups vary now: others set it, too."""
-        self.value[picture.SIZE :] = self._varied()
+        self.value[picture_parameters.SIZE :] = self._varied()
 
     def _varied(self) -> Float64:
         """How the groups vary now, as numbers, made anew only when that is another: do not change them."""
@@ -188,7 +190,7 @@ class Parameters:
         new = self.value[rows]
         self._listen()
         self.value[rows] = new
-        groups = self.value[picture.SIZE :].reshape(-1, len(FIELDS)).tolist()
+        groups = self.value[picture_parameters.SIZE :].reshape(-1, len(FIELDS)).tolist()
         self._variation.take([Variety(**dict(zip(FIELDS, row, strict=True))) for row in groups])
 
 

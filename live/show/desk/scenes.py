@@ -1,27 +1,100 @@
 """Scenes: named values of any parameters, from the patch or stored live, recalled with a cross-fade; views and looks.
 
 A scene that was stored keeps everything; one of the patch what it says. `start` is what the patch begins with.
+
+Views: the cameras of a patch by name, with those that every show has, as values of the picture's parameters.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from live.base import picture
+from live.base import picture_parameters
 from live.base.custom_pass import ROOT, own_numbers
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PASSES
+from live.base.stage_snapshot import PASSES, Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NOBODY, CameraRig
 from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
 from live.show.desk.parameters import Parameters
-from live.show.desk.views import view_settings
-from live.show.patch.draw import Setting
+from live.show.patch.name_checks import PROJECTOR
 from live.show.patch.patch import Patch
-from live.show.patch.scene import LOOK_ADDRESSES
+from live.show.patch.section_cues import LOOK_ADDRESSES, ViewSection
+from live.show.patch.section_picture import Setting
+from live.show.patch.section_stage import CameraSection
+from live.show.view.render_scene import camera_of_section, projector_camera, scene_of
+
+_ANGLE: Final = 34.0
+_ANGLE_FROM_ABOVE: Final = 20.0
+_WIDE: Final = 1.7
+"""Pictures are at least so much wider than high: then the whole stage is in these views."""
+_AROUND: Final = 16.0
+"""Measures in which `around` goes once around the stage."""
+
+
+def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[str, Setting]:
+    """A camera and how it moves as values by address: all that `/dance/camera/...` can set."""
+    moves = moves or CameraSection()
+    return {
+        **picture_parameters.camera_values(camera),
+        "/dance/camera/orbit": 0.0 if moves.orbit_measures == 0.0 else 1.0 / moves.orbit_measures,
+        "/dance/camera/following": float(moves.follow is not None),
+        "/dance/camera/along": moves.along,
+        "/dance/camera/plan": moves.plan,
+    }
+
+
+def start_row(patch: Patch) -> picture_parameters.Float64:
+    """The picture's row with which a patch begins, shape (picture.SIZE,)."""
+    row = picture_parameters.picture_of(scene_of(patch))
+    moves = camera_settings(picture_parameters.camera_of(row), patch.camera)
+    for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
+        row[picture_parameters.BY_ADDRESS[address].where] = moves[address]
+    for number, background in enumerate(patch.background, start=1):
+        row[picture_parameters.BY_ADDRESS[f"/dance/background/{number}"].first] = background.seen
+    for key, address in LOOK_ADDRESSES.items():
+        value = getattr(patch.look, key)
+        if value is not None:
+            row[picture_parameters.BY_ADDRESS[address].where] = value
+    return row
+
+
+def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | None]]:
+    """All views but `start` by name: their values, and whom they follow."""
+    width, depth = patch.stage.width, patch.stage.depth
+    views: dict[str, tuple[dict[str, Setting], str | None]] = {}
+    front = Camera(*_from_the_front(width, depth), _ANGLE)
+    turned = (front.eye[2], front.eye[1], 0.0)
+    views["front"] = camera_settings(front), None
+    views["side"] = camera_settings(Camera(turned, front.target, _ANGLE)), None
+    views["around"] = camera_settings(front, CameraSection(orbit_measures=_AROUND)), None
+    views["top"] = camera_settings(_from_above(width, depth), CameraSection(plan=1.0)), None
+    projector = projector_camera(patch)
+    if projector is not None:
+        views[PROJECTOR] = camera_settings(projector), None
+    own = {view.name.casefold().strip() for view in patch.view}
+    views = {name: view for name, view in views.items() if name not in own}
+    return views | {view.name: _own(view) for view in patch.view}
+
+
+def _own(view: ViewSection) -> tuple[dict[str, Setting], str | None]:
+    return camera_settings(camera_of_section(view), view), view.follow
+
+
+def _from_the_front(width: float, depth: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    away = 0.54 * width / (math.tan(math.radians(0.5 * _ANGLE)) * _WIDE)
+    return (0.0, 0.9 + 0.2 * away, 0.5 * depth + away), (0.0, 0.9, 0.0)
+
+
+def _from_above(width: float, depth: float) -> Camera:
+    half = math.tan(math.radians(0.5 * _ANGLE_FROM_ABOVE))
+    height = max(0.56 * depth / half, 0.56 * width / (half * _WIDE))
+    return Camera((0.0, height, 0.0), (0.0, 0.0, 0.0), _ANGLE_FROM_ABOVE)
+
 
 MOST: Final = 1000
 """Scenes that are kept at most."""
@@ -51,7 +124,7 @@ class Scenes:
         """Scenes that were stored live, by their folded names."""
         table, start = parameters.table, parameters.start
         light = [place for address in LOOK_ADDRESSES.values() for one in table.find(address) for place in one.numbers]
-        camera = range(picture.CAMERA.start, picture.CAMERA.stop)
+        camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
         self._backgrounds = [section.name for section in patch.background]
@@ -108,7 +181,7 @@ class Scenes:
         self._parameters.fade(scene.goals, beats=lasts * size)
 
     def _set(self, event: events.SetPicture, size: float) -> None:
-        known = picture.BY_ADDRESS.get(event.parameter) or picture.OF_GROUPS.get(event.parameter)
+        known = picture_parameters.BY_ADDRESS.get(event.parameter) or picture_parameters.OF_GROUPS.get(event.parameter)
         if known is None:
             raise PersonError(f"the picture has no {event.parameter!r}")
         numbers = numbers_of(known.address, (event.x, event.y, event.z)[: known.size])
@@ -120,9 +193,9 @@ class Scenes:
         own = self._own.get(address)
         if own is not None:
             amount = min(max(event.amount, own.low), own.high)
-            self._parameters.fade({picture.OWN.start + own.place: amount}, beats=event.measures * size)
+            self._parameters.fade({picture_parameters.OWN.start + own.place: amount}, beats=event.measures * size)
             return
-        known = picture.BY_ADDRESS.get(address)
+        known = picture_parameters.BY_ADDRESS.get(address)
         if known is None or known.size != 1:
             names = [one.removeprefix(f"{ROOT}/") for one in self._own]
             what = f"parameter {event.parameter!r}" if event.parameter else "pass"
@@ -141,9 +214,9 @@ class Scenes:
         nobody = event.whom.strip().casefold() in NOBODY
         if not nobody:
             self._rig.chase.follow(event.whom, cut=event.measures <= 0.0)
-        goals = {picture.FOLLOWING: 0.0 if nobody else 1.0}
+        goals = {picture_parameters.FOLLOWING: 0.0 if nobody else 1.0}
         if event.along >= 0.0:
-            goals[picture.ALONG] = event.along
+            goals[picture_parameters.ALONG] = event.along
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _background(self, event: events.ShowBackground, size: float) -> None:
@@ -152,7 +225,9 @@ class Scenes:
         if chosen != "none" and chosen not in names:
             known = ", ".join([*self._backgrounds, "none"])
             raise PersonError(f"no background is called {event.name!r}", f"there are: {known}")
-        places = [picture.BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, len(names) + 1)]
+        places = [
+            picture_parameters.BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, len(names) + 1)
+        ]
         goals = {place: float(name == chosen) for place, name in zip(places, names, strict=True)}
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.groups.group_expression import needs_places, selection
 from live.agents.groups.roster import Roster
-from live.agents.groups.selection import needs_places, selection
 from live.base.errors import named
 from live.show.patch.patch import Patch
 

@@ -5,11 +5,11 @@ import numpy.typing as npt
 from shapely import LineString, Point
 
 from live.agents.evolutions.dry_run import TooNear, rehearse
-from live.agents.evolutions.segment import Segment
+from live.agents.evolutions.intention import Segment
 from live.agents.formations.stage_fit import fit_stage
-from live.show.core import Show
 from live.show.group.group_motion import AGENT_RADIUS
 from live.show.patch.score_checks import written_length
+from live.show.show import Show
 
 LONGEST = 400
 """Measures that are gone through at most."""

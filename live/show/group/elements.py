@@ -1,6 +1,12 @@
-"""Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110)."""
+"""Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110).
 
-from dataclasses import replace
+Elements as patches and controls say them, as values for the field (T105-T110, T132).
+
+Addressees: for whom each element is, as bits of a mask per dancer (T104, T105: per subgroup).
+"""
+
+import math
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -8,17 +14,173 @@ import numpy.typing as npt
 
 from live.agents.agent_command import Wants
 from live.agents.crowd.agent_state import AgentState
-from live.agents.elements.element import Element
+from live.agents.elements.element import Element, Points
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, KIND_NAMES, REPULSOR, VOICE
+from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, REPULSOR, VOICE
 from live.base.errors import PersonError, named
 from live.base.stage_snapshot import StageView
 from live.control.events import events
-from live.show.group.addressees import Addressees
 from live.show.group.casting import EVERYONE, Casting
-from live.show.group.elements_of import ElementEvent, Placing, placing_of_event, placing_of_section
 from live.show.patch.patch import Patch
+from live.show.patch.section_elements import ElementSection
 from live.show.score.score import Score
+
+ElementEvent = events.Attract | events.Repel | events.Spread | events.Voice | events.PlaceElement
+VOICE_MEASURES: Final = 2.0
+"""How long a voice of the audience is heard if it is not raised again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placing:
+    """One element as it was asked for: what, for whom (in words), how long; not yet when."""
+
+    kind: str
+    points: Points = ((0.0, 0.0),)
+    strength: float = 1.0
+    measures: float = 4.0
+    group: str = "*"
+    radius: float = 0.0
+    closed: bool = False
+    flow: str = ""
+    whom: str = ""
+    fair: bool = False
+
+    def element(self, *, groups: int, target_group: int, source: str, start: float, beats_per_measure: int) -> Element:
+        """The element from the beat `start` on; PersonError if it has no meaning.
+
+        `groups`: the mask of those it addresses; `target_group`: the bit of the group `whom`, -1 if that is a number.
+        """
+        return Element(
+            kind=KIND_NAMES[self.kind],
+            points=self.points,
+            strength=self.strength,
+            start_beat=start,
+            end_beat=start + self.measures * beats_per_measure,
+            groups=groups,
+            source=source,
+            closed=self.closed,
+            radius=self.radius,
+            fair=self.fair,
+            flow=FLOW_NAMES[self.flow or "uniform"],
+            target=self.dancer,
+            target_group=target_group,
+        )
+
+    @property
+    def dancer(self) -> int:
+        """Index of the dancer that `whom` numbers, -1 if it numbers none."""
+        return int(self.whom) - 1 if self.whom.isdecimal() and len(self.whom) < 7 else -1
+
+
+def placing_of_section(section: ElementSection) -> Placing:
+    """What an element of the score asks for."""
+    points = section.points or ((section.at,) if section.to is None else (section.at, section.to))
+    return Placing(
+        section.kind,
+        points,
+        section.strength,
+        section.measures,
+        section.group,
+        section.radius,
+        section.closed,
+        section.flow,
+        section.whom,
+    )
+
+
+def placing_of_event(event: ElementEvent) -> Placing:
+    """What a control asks for; PersonError for points that are none."""
+    match event:
+        case events.Attract() | events.Repel():
+            kind = "attract" if isinstance(event, events.Attract) else "repel"
+            return Placing(kind, ((event.x, event.z),), event.strength, event.measures, event.group)
+        case events.Spread():
+            return Placing("spread", measures=event.measures, group=event.group)
+        case events.Voice():
+            return Placing("attract", ((event.x, event.z),), event.strength, VOICE_MEASURES, fair=True)
+        case events.PlaceElement():
+            if event.kind not in KIND_NAMES or (event.flow and event.flow not in FLOW_NAMES):
+                raise PersonError(f"no element is called {event.kind or event.flow!r}")
+            points = points_of(event.points) if event.points else ((0.0, 0.0),)
+            return Placing(
+                event.kind,
+                points,
+                event.strength,
+                event.measures,
+                event.group,
+                event.radius,
+                event.closed,
+                event.flow,
+                event.whom,
+            )
+
+
+def points_of(text: str) -> Points:
+    """Points written as "x z, x z" [m]; PersonError for anything else."""
+    try:
+        numbers = [[float(word) for word in pair.split()] for pair in text.replace(";", ",").split(",")]
+    except ValueError:
+        numbers = [[]]
+    if any(len(pair) != 2 or not all(map(math.isfinite, pair)) for pair in numbers):
+        raise PersonError(f"points {text[:60]!r} are none", "write x z of each in metres, as in -3 0, 0 -2.5, 3 0")
+    return tuple((pair[0], pair[1]) for pair in numbers)
+
+
+UInt64 = npt.NDArray[np.uint64]
+Places = npt.NDArray[np.floating]
+
+BITS: Final = 64
+
+
+class Addressees:
+    """Gives each wording of a group a bit, and each dancer the bits of the groups she belongs to.
+
+    Words that mean places are answered once, when they are asked; all others follow who is in which group.
+    """
+
+    def __init__(self, casting: Casting) -> None:
+        self._casting = casting
+        self._words: list[str | None] = [None] * BITS
+        self._lasting = [False] * BITS
+        self.bits: UInt64 = np.zeros(len(casting.group), np.uint64)
+        """The groups of each dancer, shape (A,)."""
+
+    def mask(self, words: str, position: Places, used: int) -> int:
+        """The mask of an element for the dancers that `words` mean; `used`: bits that elements in force have.
+
+        Raises PersonError for words that mean nobody there is, and when there are too many groups at a time.
+        """
+        if words.strip() in EVERYONE:
+            return EVERYBODY
+        return 1 << self.bit(words, position, used)
+
+    def bit(self, words: str, position: Places, used: int) -> int:
+        """Number of the bit of these words; raises as `mask` does."""
+        folded = words.casefold().strip()
+        who = self._casting.select(words, position)
+        lasting = not self._casting.means_places(words)
+        if lasting and folded in self._words:
+            return self._words.index(folded)
+        free = next((n for n in range(BITS) if self._words[n] is None or not used >> n & 1), None)
+        if free is None:
+            raise PersonError(f"elements for more than {BITS} groups at a time", "let some of them end first")
+        self._words[free], self._lasting[free] = folded, lasting
+        if not lasting:
+            self._words[free] = f"{folded}, when it was asked"
+        self._write(free, who)
+        return free
+
+    def regrouped(self, position: Places) -> None:
+        """Answer all words anew that do not mean places."""
+        for number, words in enumerate(self._words):
+            if words is not None and self._lasting[number]:
+                self._write(number, self._casting.select(words, position))
+
+    def _write(self, number: int, who: npt.NDArray[np.bool_]) -> None:
+        bit = np.uint64(1 << number)
+        self.bits[who] |= bit
+        self.bits[~who] &= ~bit
+
 
 Float32 = npt.NDArray[np.float32]
 

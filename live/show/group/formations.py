@@ -12,9 +12,9 @@ import numpy.typing as npt
 from live.agents.evolutions.intention import Places
 from live.agents.formations.formation import check_formation, formation_of
 from live.agents.formations.formation_notation import spec_from_words
-from live.agents.formations.spec import FormationSpec
+from live.agents.formations.formation_spec import FormationSpec
 from live.base.errors import PersonError, named
-from live.show.patch.group import GroupSection
+from live.show.patch.section_motion import GroupSection
 
 Float64 = npt.NDArray[np.float64]
 

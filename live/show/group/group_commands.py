@@ -8,7 +8,7 @@ from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.ripple import parse_ripple
+from live.show.dancers.timing_offsets import parse_ripple
 from live.show.dancers.variation import Variation
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan

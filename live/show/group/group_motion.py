@@ -2,6 +2,8 @@
 
 Each dancer is led by an agent. Per tick: what the plan asks of her (`agents/evolutions`), what elements ask
 (`agents/procedural`), what makes it safe (`agents/crowd`). Nothing here knows steps or poses.
+
+Starting places: where everybody stands before a show begins: in her group's formation, or in the wings.
 """
 
 from typing import Final
@@ -15,31 +17,56 @@ from live.agents.crowd.agent_state import AgentModel, AgentState
 from live.agents.crowd.crowd_step import Advance
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.entrances.entrances import ENTERING, ON, WAITING, Entrances
+from live.agents.entrances.gate import Gate
 from live.agents.prediction import LookAhead
-from live.agents.separation.parting import Parting
+from live.agents.separation.path_separation import Parting
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.show.capture.performers import Performers
-from live.show.dancers.pair_steering import PairSteering
-from live.show.dancers.partners import Partners
+from live.show.capture.stage_presence import Performers
+from live.show.dancers.partners import PairSteering, Partners
 from live.show.group.casting import Casting
 from live.show.group.elements import Elements
 from live.show.group.evolutions import Evolutions
-from live.show.group.floor import Floor
-from live.show.group.stage_set import furnish, refurnish, show_set
-from live.show.group.stage_steering import gates_of, steering_of
-from live.show.group.starting_places import starting_places
+from live.show.group.stage_area import Floor, furnish, gates_of, refurnish, show_set, steering_of
 from live.show.measure_span import MeasureSpan
 from live.show.partner.partner_agents import AnsweringAgents
 from live.show.partner.partner_response import Answering
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
-from live.show.selection.agents_ahead import TAKEN, AgentsAhead
+from live.show.selection.lookahead import TAKEN, AgentsAhead
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
+
+FROM_THE_EDGE = 0.3
+"""Nobody begins nearer to the edge of the stage than this [m]."""
+
+
+def starting_places(
+    evolutions: Evolutions, partners: Partners, part: Parting, gate: Gate, on: Bool, half: Float32, heading: Float64
+) -> Float32:
+    """Places [m], shape (A, 2): of those who are `on` the stage (A,), of half sizes `half` (2,) [m], and of those who
+    wait behind `gate`, who come last. Pairs are joined; `heading` (A,) [rad] becomes what everybody faces."""
+    count = len(on)
+    placed = evolutions.starting_places()
+    position = np.zeros((count, 2), np.float32)
+    position[: len(placed)] = placed
+    position[len(placed) :] = gate.places(count - len(placed))
+    edge = half - np.float32(FROM_THE_EDGE)
+    partners.pair(on)
+    partners.begin(position, heading)
+    position[on] = np.clip(position[on], -edge, edge)
+    wanted = position.copy()
+    for _ in range(8):  # formations of two groups may lie on each other
+        part(position, wanted, float(edge.max()))
+        position[on] = np.clip(position[on], -edge, edge)
+        partners.gather(position, heading)
+    position[~on] = wanted[~on]
+    return position
+
+
 Rows = npt.NDArray[np.intp]
 
 AGENT_RADIUS: Final = 0.25

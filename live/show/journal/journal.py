@@ -16,17 +16,16 @@ from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
 from live.control.events.event_json import IN_ROWS, columns_of, event_to_json, event_to_row
 from live.control.events.events import EVENT_TYPES
-from live.show.core import Show
-from live.show.journal.journal_file import SNAPSHOTS, JournalFile, keep_aside
-from live.show.journal.journal_reading import (
+from live.show.journal.journal_reader import (
     FORMAT,
     Journal,
     JournalError,
     JournalLine,
     read_journal,
 )
-from live.show.state.keeping import Keeping
-from live.show.state.snapshot import Taken
+from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, keep_aside
+from live.show.show import Show
+from live.show.state.snapshot import Keeping, Taken
 
 __all__ = [
     "FORMAT",

@@ -6,7 +6,7 @@ from itertools import zip_longest
 from typing import Any
 
 from live.control.events.event_json import event_to_json
-from live.show.journal.journal_reading import Journal, JournalLine
+from live.show.journal.journal_reader import Journal, JournalLine
 
 PLACES = ("patch_path", "recordings", "version", "journal", "columns", "origin")
 """What of a header may differ without the show being another one."""

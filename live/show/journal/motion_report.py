@@ -7,11 +7,9 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
-from live.motion.quality.beats import alignment, motion_beats, offsets
-from live.motion.quality.feet import slides
+from live.motion.quality.metrics import alignment, half_width, largest_around, motion_beats, offsets, slides
 from live.motion.quality.motion_recorder import MotionTrace
-from live.motion.quality.smoothness import half_width, largest_around
-from live.show.core import Show
+from live.show.show import Show
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

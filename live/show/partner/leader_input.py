@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner.cloud import END_JOINTS
-from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.partner.point_clouds import END_JOINTS
+from live.motion.partner_live.stage_partner import ReadLeader
 from live.show.partner.partner_pairs import Asked, Pair
 from live.show.partner.partner_sources import AnswerBank
 

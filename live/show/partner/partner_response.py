@@ -13,16 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.motion.partner_live.holding import Holding
-from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.partner_live.hand_holds import Holding
+from live.motion.partner_live.stage_partner import ReadLeader
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
-from live.show.partner.answer_holds import holds_of
-from live.show.partner.answer_poses import AnswerPoses
 from live.show.partner.leader_input import AnswerLeaders, See, Tracks
 from live.show.partner.partner_pairs import Asked, Pair, asked_of, check_pairs, in_order, pairs_of
 from live.show.partner.partner_sources import AnswerBank
 from live.show.partner.response_path import TakenAlong
+from live.show.partner.response_pose import AnswerPoses, holds_of
 from live.show.patch.patch import Patch
 from live.show.selection.drawn_paths import DrawnWay
 

@@ -6,20 +6,17 @@ from typing import Final
 
 from live.base.errors import PersonError, named
 from live.graph.step_library import StepLibrary
-from live.library.pairs_file import read_pairs
-from live.library.pairs_holds import with_holds
-from live.motion.partner.found_holds import Near
-from live.motion.partner.in_beats import in_beats
+from live.library.partner_pairs import read_pairs, with_holds
+from live.motion.partner.evaluation import Near
 from live.motion.partner.partner_synthesis import CONTINUITY, RATE, WALK_CONTINUITY, WALK_RATE
-from live.motion.partner.sketched import sketched_pairs
-from live.motion.partner.sketched_walks import sketched_walks
-from live.motion.partner.units import Units
-from live.motion.partner_live.read_leader import MADE, WAY_RATE, Lore, frames_of
+from live.motion.partner.sketched_examples import sketched_pairs, sketched_walks
+from live.motion.partner.units import Units, in_beats
+from live.motion.partner_live.stage_partner import MADE, WAY_RATE, Lore, frames_of
 from live.motion.step_clip import StepClip
-from live.show.patch.partner import PartnerSection
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import find_beside
+from live.show.patch.patch_reader import find_beside
 from live.show.patch.score_checks import UNIT
+from live.show.patch.section_motion import PartnerSection
 
 SHOWN: Final = 20
 WALK: Final = "walk"

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.partner_live.stage_partner import ReadLeader
 from live.motion.partner_live.stage_partner_kernels import turn_between
 from live.show.partner.leader_input import answer_at
 from live.show.partner.partner_pairs import Asked, Pair

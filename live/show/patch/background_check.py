@@ -6,13 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import own_end, turn_vectors, wrapped
+from live.graph.select.candidates import own_end, turn_vectors, wrapped
 from live.graph.select.selector import Choosing
 from live.graph.takes import NO_TAKE
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import Danced
-from live.show.selection.aims import Aims
 from live.show.selection.choices import Choices
+from live.show.selection.step_targets import Aims
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

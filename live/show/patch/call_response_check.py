@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Protocol
 
-from live.show.patch.group import GroupSection
-from live.show.patch.improvise import ImproviseSection
 from live.show.patch.section_base import Amiss
+from live.show.patch.section_motion import GroupSection
+from live.show.patch.section_score import ImproviseSection
 from live.show.score.section_span import Sectioned, Stay, stay_of
 
 

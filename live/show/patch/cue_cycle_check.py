@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.show.patch.cue import CueSection
 from live.show.patch.score_checks import Written
+from live.show.patch.section_cues import CueSection
 
 CUE: Final = "/dance/cue"
 SIGNAL: Final = "/dance/signal"

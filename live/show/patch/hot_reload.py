@@ -15,22 +15,17 @@ from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS, keep_running
 from live.control.events.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
-from live.render.pass_trial import try_passes
-from live.show.core import Show
+from live.render.custom_pass import try_passes
+from live.show.background_work import freed, polite, written_text
 from live.show.dancers.character_casting import check_characters
-from live.show.load import LoadedShow, told_with_place
-from live.show.long_patches import freed, written_text
-from live.show.patch.edit import fitted, version_of
+from live.show.loader import LoadedShow, patch_for, told_with_place
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import own_pass_files, patch_files, read_sources
-from live.show.patch.reloading import Prepared, prepare
-from live.show.patch.toml_file import field_words
-from live.show.patch.toml_sources import TomlSources
-from live.show.polite import polite
-from live.show.recorded import patch_for
-from live.show.selection.library_watch import LibraryWatch, Stamp
+from live.show.patch.patch_reader import TomlSources, field_words, own_pass_files, patch_files, read_sources
+from live.show.patch.patch_update import Prepared, fitted, prepare, version_of
+from live.show.selection.graph_update import LibraryWatch, Stamp
+from live.show.show import Show
 from live.show.state.constants import walk_ahead
-from live.show.venue.venue_projector import in_hall
+from live.show.venue.venue_output import in_hall
 from live.show.view.render_scene import backgrounds_of
 
 POLL_S: Final = 0.05

@@ -12,10 +12,10 @@ from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
 from live.control.midi.midi_binding import Binding
-from live.show.patch.midi import MidiMapSection
+from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import is_file, learned_path
 from live.show.patch.section_base import Section
-from live.show.patch.toml_file import parse_model, read_text
+from live.show.patch.section_io import MidiMapSection
 
 HEAD: Final = "# What MIDI controllers were taught while the show ran (/dance/midi/learn); a part of {patch}.\n"
 

@@ -9,30 +9,33 @@ from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
 from live.base.projector_perspective import matched
-from live.show.patch.audience import AudienceSection
-from live.show.patch.call_check import check_named
-from live.show.patch.character import Characters
-from live.show.patch.cue import CueSection
-from live.show.patch.cue_check import check_cues
-from live.show.patch.dmx import DmxSection
-from live.show.patch.facing import parse_facing
-from live.show.patch.group import GroupSection
-from live.show.patch.improvise import ImproviseSection
-from live.show.patch.link import LinkSection
-from live.show.patch.midi import MidiSection
-from live.show.patch.mocap import MocapSection
-from live.show.patch.motion import LocomotionSection, MotionSection
-from live.show.patch.music import ClockSection, MusicSection, SoundSection
-from live.show.patch.osc import OscSection
-from live.show.patch.partner import PartnerSection
-from live.show.patch.picture import PictureSection
-from live.show.patch.psn import PsnSection
-from live.show.patch.react import ReactSection
-from live.show.patch.scene import NamedLookSection, SceneSection, ViewSection
-from live.show.patch.score import AtSection, ScoreSection, SignalSection
+from live.show.patch.name_checks import check_cues, check_named, check_trackers
 from live.show.patch.score_checks import check_score
 from live.show.patch.section_base import Amiss, Name, Section
+from live.show.patch.section_cues import CueSection, NamedLookSection, SceneSection, ViewSection
 from live.show.patch.section_elements import ElementSection
+from live.show.patch.section_io import (
+    AudienceSection,
+    DmxSection,
+    LinkSection,
+    MidiSection,
+    MocapSection,
+    OscSection,
+    PsnSection,
+)
+from live.show.patch.section_motion import GroupSection, LocomotionSection, MotionSection, PartnerSection, parse_facing
+from live.show.patch.section_music import ClockSection, MusicSection, ReactSection, SoundSection
+from live.show.patch.section_picture import Characters, PictureSection, TextureSection
+from live.show.patch.section_score import (
+    AtSection,
+    FormationTable,
+    ImproviseSection,
+    RegroupSection,
+    ScoreSection,
+    SegmentSection,
+    SequenceSection,
+    SignalSection,
+)
 from live.show.patch.section_stage import (
     BackgroundSection,
     CameraSection,
@@ -44,10 +47,6 @@ from live.show.patch.section_stage import (
     StageSection,
     SteeringSection,
 )
-from live.show.patch.segment import FormationTable, RegroupSection, SegmentSection
-from live.show.patch.sequence import SequenceSection
-from live.show.patch.texture import TextureSection
-from live.show.patch.tracker_check import check_trackers
 
 
 class Patch(Section):

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from pydantic import TypeAdapter
 
-from live.agents.formations.spec import FormationSpec
+from live.agents.formations.formation_spec import FormationSpec
 from live.show.patch.patch import Patch
 
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"

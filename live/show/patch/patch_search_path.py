@@ -6,14 +6,12 @@ from typing import Final
 
 import platformdirs
 
+import live
 from live.base.errors import PersonError
 
+_PACKAGE: Final = Path(live.__file__).resolve().parent
 PATCHES: Final = next(
-    (
-        folder
-        for folder in (Path(__file__).resolve().parents[2] / "patches", Path(__file__).resolve().parents[1] / "patches")
-        if folder.is_dir()
-    ),
+    (folder for folder in (_PACKAGE.parent / "patches", _PACKAGE / "patches") if folder.is_dir()),
     Path("patches"),
 )
 """The project's own patches: beside the package in a checkout, inside it when installed."""

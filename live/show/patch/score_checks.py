@@ -4,15 +4,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final, Protocol
 
 from live.show.patch.call_response_check import check_answers
-from live.show.patch.cue import CueSection
-from live.show.patch.group import GroupSection
-from live.show.patch.improvise import ImproviseSection
-from live.show.patch.music import ClockSection
-from live.show.patch.partner import PartnerSection
-from live.show.patch.react import ReactSection
-from live.show.patch.score import AtSection, ScoreSection, SignalSection
 from live.show.patch.section_base import Amiss
-from live.show.patch.sequence import SequenceSection
+from live.show.patch.section_cues import CueSection
+from live.show.patch.section_motion import GroupSection, PartnerSection
+from live.show.patch.section_music import ClockSection, ReactSection
+from live.show.patch.section_score import AtSection, ImproviseSection, ScoreSection, SequenceSection, SignalSection
 from live.show.score.section_span import stay_of
 
 

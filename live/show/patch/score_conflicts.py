@@ -9,11 +9,11 @@ from live.base.errors import PersonError, named
 from live.control.events.groups import DefineFormation
 from live.control.registry.registry import REGISTRY
 from live.graph.motion_graph import MotionGraph
-from live.graph.search.wanted import parse_sequence
+from live.graph.search.sequence import parse_sequence
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.score_checks import Called, calls_of
-from live.show.patch.segment import RegroupSection, SegmentSection
+from live.show.patch.section_score import RegroupSection, SegmentSection
 from live.show.score.score import Score
 from live.show.score.step_names import UnknownStep, find_step, refuse_alone
 

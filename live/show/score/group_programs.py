@@ -4,8 +4,8 @@ from live.graph.motion_graph import MotionGraph
 from live.show.patch.patch import Patch
 from live.show.patch.score_conflicts import check_calls
 from live.show.score.canon import Echo, Programme
-from live.show.score.mood import Mood
-from live.show.score.parts import part_of
+from live.show.score.music_reactions import Mood
+from live.show.score.part import part_of
 from live.show.score.score import Score
 from live.show.score.step_history import Ledger, remembered
 from live.show.score.step_program import GroupProgramme

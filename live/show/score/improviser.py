@@ -1,28 +1,100 @@
 """Improviser: chooses the steps of one group by weights, by what the music is like, and by what others have danced.
 
 All chance comes of (seed, section, turn, group, measure): the same events give the same dance, live or replayed.
+
+Tables of improvisation: one `[[improvise]]` for one group, its names looked up in the library.
+
+What improvisation does to the group's motion: with each phrase something is drawn and called.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from live.base.errors import PersonError, named
+from live.control.events.events import ControlEvent
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.graph.search.sequence_spec import Wanted
-from live.show.score.improvise_table import NOBODY, Table
-from live.show.score.mood import Mood
-from live.show.score.places import Place
+from live.show.patch.section_score import ImproviseSection
+from live.show.score.music_reactions import Mood
+from live.show.score.playhead import END, Place
 from live.show.score.score import Score
+from live.show.score.sequence_lookup import where_of
 from live.show.score.step_history import Ledger
-from live.show.score.step_names import in_place, length_of
+from live.show.score.step_names import UnknownStep, find_step, in_place, length_of
+
+NOBODY: Final = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """One `[[improvise]]` for one group: names are looked up, and where it holds."""
+
+    section: int
+    begin: int
+    """Its first measure within the section, from 0."""
+    end: int | None
+    """The measure after its last; None: it has none."""
+    asked: ImproviseSection
+    steps: tuple[int, ...]
+    weights: npt.NDArray[np.float64]
+    factors: tuple[npt.NDArray[np.float64], ...]
+    """What each rule multiplies the weights with."""
+    caller: int
+    """Group that is answered, NOBODY for none."""
+    listening: int | None
+
+
+def table_of(
+    section: ImproviseSection,
+    score: Score,
+    graph: MotionGraph,
+    own: list[int],
+    groups: list[str],
+    group: int,
+    where: tuple[str | int, ...] = (),
+) -> Table | None:
+    """One `[[improvise]]` for the group `group`, whose own steps are `own`; None if its place never comes.
+
+    PersonError for names that are not there, or limits that cannot be kept.
+    """
+    place = score.place_of(section.section, section.measure)
+    if place is None:
+        return None
+    with named(where_of(section.section, section.measure, f"improvise of group {groups[group]!r}"), where):
+        try:
+            given = {find_step(graph, name): weight for name, weight in section.steps.items()}
+            weights = given or dict.fromkeys(own, 1.0)
+            steps = tuple(weights)
+            factors = []
+            for rule in section.rule:
+                favours = {find_step(graph, name): factor for name, factor in rule.favours.items()}
+                factors.append(np.array([favours.get(step, 1.0) for step in steps]))
+            listening = None if section.listening is None else find_step(graph, section.listening)
+        except UnknownStep as error:
+            raise PersonError(str(error)) from None
+        if sum(weight > 0.0 for weight in weights.values()) < 2 and section.most < 1000:
+            raise PersonError(
+                f"with one step alone it would come more than {section.most} times in a row",
+                "give it more steps, or most = 1000",
+            )
+        caller = NOBODY
+        if section.answers is not None:
+            caller = [name.casefold() for name in groups].index(section.answers.casefold())
+    size = score.playhead.stretches[place[0]].measures if place[0] != END else None
+    end = size if section.measures is None else place[1] + section.measures
+    return Table(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,
+                 listening)  # fmt: skip
+
 
 Nodes = npt.NDArray[np.int32]
 Kept = tuple[int, int, int]
 """The step that was drawn last, measures of it that are left, and by whose table."""
 Told = tuple[int, tuple[Wanted, ...], int]
 
-SALT: Final = 0x1A9
+STEP_SALT: Final = 0x1A9
 """Keeps this chance apart from that of a group's own steps."""
 
 
@@ -142,7 +214,7 @@ class Improviser:
                 possible = good
                 break
         weights = np.where(possible, weights, 0.0)
-        seeds = [self._seed, SALT, place.section + 1, place.turn, self._group, max(place.measure, 0)]
+        seeds = [self._seed, STEP_SALT, place.section + 1, place.turn, self._group, max(place.measure, 0)]
         if not self._score.playhead.entered(measure):  # held in one measure: it is not drawn the same again and again
             seeds.append(measure)
         chance = float(np.random.default_rng(seeds).random())
@@ -172,3 +244,46 @@ class Improviser:
             if (rule.above is None or value >= rule.above) and (rule.below is None or value <= rule.below):
                 favoured *= factors
         return favoured if favoured.any() else others
+
+
+MOTION_SALT = 0x307
+"""Keeps this chance apart from that of steps."""
+
+
+class ImprovisedMotion:
+    """The `[[improvise.motion]]` of a patch; chance comes of (seed, section, turn, table, measure)."""
+
+    def __init__(self, sections: tuple[ImproviseSection, ...], score: Score, seed: int) -> None:
+        self._score, self._seed = score, seed
+        self._tables: list[tuple[int, int, int, int | None, ImproviseSection]] = []
+        for index, section in enumerate(sections):
+            place = score.place_of(section.section, section.measure)
+            if place is not None and section.motion:
+                end = place[1] + section.measures if section.measures is not None else None
+                self._tables.append((index, place[0], place[1], end, section))
+
+    def take_patch(self, fresh: "ImprovisedMotion") -> None:
+        """Draw from what another patch has."""
+        self._tables = fresh._tables
+
+    def calls(self, measure: int, time: float) -> list[ControlEvent]:
+        """What is called at the line of `measure` (from 0), with which a phrase may begin."""
+        if measure < 0 or not self._score.playhead.entered(measure):
+            return []
+        place = self._score.place(measure)
+        called: list[ControlEvent] = []
+        for index, section, begin, end, asked in self._tables:
+            if place.section != section or place.measure < begin or (end is not None and place.measure >= end):
+                continue
+            if (place.measure - begin) % asked.phrase:
+                continue
+            chance = np.random.default_rng(
+                (self._seed, MOTION_SALT, place.section + 1, place.turn, index, place.measure)
+            )
+            weights = np.cumsum([item.weight for item in asked.motion])
+            row = int(np.searchsorted(weights, float(chance.random()) * weights[-1], side="right"))
+            item = asked.motion[min(row, len(asked.motion) - 1)]
+            event = None if item.call is None else item.event(time)
+            if isinstance(event, ControlEvent):
+                called.append(event)
+        return called

@@ -4,11 +4,9 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from live.show.patch.patch import Patch
-from live.show.patch.score import AtSection, SignalSection
 from live.show.patch.section_elements import ElementSection
-from live.show.patch.segment import RegroupSection, SegmentSection
-from live.show.score.places import END, Place, Stretch
-from live.show.score.playhead import Playhead
+from live.show.patch.section_score import AtSection, RegroupSection, SegmentSection, SignalSection
+from live.show.score.playhead import END, Place, Playhead, Stretch
 
 WHOLE: Final = ""
 """The name of the one section of a score without sections."""
@@ -26,7 +24,7 @@ class Written:
         self.made: dict[int, Any] = {}
         """Sequences that are made already, for groups that have the same."""
         self.parts: list[Any] = []
-        """What the parts of the groups have: see `live.show.score.parts`."""
+        """What the parts of the groups have: see `live.show.score.part`."""
 
 
 def stretches_of(patch: Patch) -> tuple[Stretch, ...]:

@@ -9,14 +9,11 @@ from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.patch.patch import Patch
-from live.show.patch.score import AtSection
+from live.show.patch.section_score import AtSection
 from live.show.score.beat_scheduler import Agenda
-from live.show.score.improvised_motion import ImprovisedMotion
-from live.show.score.mood import Mood
-from live.show.score.occasions import Occasions
-from live.show.score.places import END, When
-from live.show.score.playhead import Playhead
-from live.show.score.reactions import Reactions
+from live.show.score.improviser import ImprovisedMotion
+from live.show.score.music_reactions import Mood, Occasions, Reactions
+from live.show.score.playhead import END, Playhead, When
 from live.show.score.score import Score, stretches_of
 
 AHEAD: Final = (events.CallStep, events.SetSequence, events.Improvise)

@@ -6,10 +6,10 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from live.show.core import Show
 from live.show.patch.score_checks import written_length
-from live.show.patch.segment import SegmentSection
-from live.show.score.places import END
+from live.show.patch.section_score import SegmentSection
+from live.show.score.playhead import END
+from live.show.show import Show
 
 USUAL: Final = 16
 """Measures that are drawn of a score which has nothing at any measure."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Protocol
 
-from live.show.patch.score import ScoreSection
+from live.show.patch.section_score import ScoreSection
 
 
 class Sectioned(Protocol):

@@ -6,9 +6,9 @@ from itertools import accumulate, pairwise
 
 from live.base.errors import PersonError, named
 from live.graph.motion_graph import MotionGraph
+from live.graph.search.sequence import parse_sequence
 from live.graph.search.sequence_spec import Wanted
-from live.graph.search.wanted import parse_sequence
-from live.show.patch.sequence import SequenceSection
+from live.show.patch.section_score import SequenceSection
 from live.show.score.score import Score
 from live.show.score.step_names import refuse_alone
 

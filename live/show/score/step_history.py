@@ -4,7 +4,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Final
 
-from live.show.patch.improvise import ImproviseSection
+from live.show.patch.section_score import ImproviseSection
 
 REMEMBERED: Final = 128
 """Measures kept of what each group has danced, unless phrases are long."""

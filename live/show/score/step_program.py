@@ -9,7 +9,7 @@ import numpy.typing as npt
 from live.graph.motion_graph import NEVER, MotionGraph
 from live.graph.search.live_sequence import HORIZON
 from live.graph.search.sequence_spec import Wanted
-from live.show.patch.group import GroupSection, parse_entry
+from live.show.patch.section_motion import GroupSection, parse_entry
 from live.show.score.improviser import Kept
 from live.show.score.part import ANY_STEP, Part
 from live.show.score.step_names import UnknownStep, find_step, in_place, length_of

@@ -1,6 +1,8 @@
 """Choices: why each dancer got the measure she got, in arrays: chosen and runner-up, scores by term, prediction, error.
 
 Nothing here costs a frame anything but a few copies a measure; words are made only for whom somebody asks about.
+
+Behind: dancers whose steps do not take them where they are sent, and what would (T003, T068, T075).
 """
 
 from typing import Any, Final
@@ -8,6 +10,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.graph.select.candidates import turn_vectors
+from live.graph.select.reachability import direction_of
 from live.graph.select.selector import TERMS, Choosing
 from live.graph.takes import NO_TAKE
 
@@ -116,3 +120,45 @@ def why_in_words(told: dict[str, Any]) -> tuple[str, ...]:
 
 def _rounded(values: Float64) -> list[float]:
     return [round(float(v), 3) for v in values]
+
+
+Bool = npt.NDArray[np.bool_]
+
+
+def behind(
+    choices: Choices, group: Int32, names: tuple[str, ...], steps: tuple[str, ...], present: Bool
+) -> dict[str, Any]:
+    """By group: mean distances of the last measure [m], how many are behind, and what should be recorded.
+
+    `group` (A,) into `names`; `steps` are the library's. "record" is null where nobody is behind.
+    """
+    told: dict[str, Any] = {}
+    for index, name in enumerate(names):
+        members = (group == index) & present
+        if not members.any():
+            continue
+        rows = np.flatnonzero(members & (choices.behind >= BEHIND_MEASURES))
+        told[name] = {
+            "error_m": round(float(choices.error[members].mean()), 3),
+            "lag_m": round(float(choices.lag[members].mean()), 3),
+            "behind": len(rows),
+            "record": _record(choices, rows, steps) if len(rows) else None,
+        }
+    return told
+
+
+def _record(choices: Choices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]) -> str:
+    """What the dancers `rows` (n,) lack most: a step, a direction as the dancer sees it, a way."""
+    way = turn_vectors(choices.wish[rows] - choices.stand[rows], -choices.heading[rows])
+    got = turn_vectors(choices.target[rows] - choices.stand[rows], -choices.heading[rows])
+    directions = [direction_of(one) for one in way]
+    most = max(sorted(set(directions)), key=directions.count)
+    those = np.array([direction == most for direction in directions])
+    needed, reached = np.hypot(*way[those].T), np.hypot(*got[those].T)
+    kinds = choices.step[rows][those]
+    step = int(np.bincount(kinds[kinds >= 0]).argmax()) if (kinds >= 0).any() else -1
+    which = "any step" if step < 0 else f"{steps[step]!r}"
+    return (
+        f"{which} gets {np.median(reached):.1f} m {most} in a measure, {np.median(needed):.1f} m are wanted: "
+        "record it longer that way, or give the group a travel_step that goes there"
+    )

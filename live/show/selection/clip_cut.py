@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.graph.build.transition import clouds
-from live.graph.build.weights import joint_weights
-from live.graph.moments import body_features
-from live.graph.select.placing import joined, turn_vectors, wrapped
-from live.motion.editing.feet import ANKLES, BALLS
-from live.motion.pose.legs_kernels import HELD
+from live.graph.build.metric import joint_weights
+from live.graph.build.transitions import clouds
+from live.graph.node_features import body_features
+from live.graph.select.candidates import joined, turn_vectors, wrapped
+from live.motion.editing.foot_correction import ANKLES, BALLS
+from live.motion.pose.foot_lock_kernels import HELD
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import Danced

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from live.agents.entrances.entrances import ON
 from live.clock.timeline import Timeline
 from live.control.events.events import StepNow
-from live.show.dancers.avoiding import Avoiding
+from live.show.dancers.collision_avoidance import Avoiding
 from live.show.dancers.dancers import Dancers
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan

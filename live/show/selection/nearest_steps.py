@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import joined, turn_vectors
+from live.graph.select.candidates import joined, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import Danced

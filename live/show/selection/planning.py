@@ -14,16 +14,16 @@ from live.agents.prediction import LookAhead
 from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import Choosing
+from live.show.background_work import Piece, Pieces
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import Danced
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan
 from live.show.patch.background_check import Drafting
 from live.show.patch.patch import Patch
-from live.show.pieces import Piece, Pieces
-from live.show.selection.aims import Aims
 from live.show.selection.choices import Choices
 from live.show.selection.step_search import AT_A_TIME, Searching
+from live.show.selection.step_targets import Aims
 
 Int32 = npt.NDArray[np.int32]
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.placing import joined
+from live.graph.select.candidates import joined
 from live.graph.select.selector import Choosing
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction_control import Carrying
@@ -23,11 +23,10 @@ from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.canon import Programme
 from live.show.score.group_programs import take_programmes
-from live.show.selection.aims import Aims
-from live.show.selection.behind import behind
-from live.show.selection.choices import Choices
+from live.show.selection.choices import Choices, behind
 from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import Planning
+from live.show.selection.step_targets import Aims
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

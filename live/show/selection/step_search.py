@@ -9,12 +9,12 @@ import numpy.typing as npt
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import Choosing, with_direction
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.following import choose_following, place_followers
+from live.show.dancers.partners import choose_following, place_followers
 from live.show.dancers.root_correction_control import FAITHFUL
 from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
-from live.show.selection.aims import Aims
 from live.show.selection.choices import Choices
+from live.show.selection.step_targets import Aims
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from live.clock.follower.seed import Seed
+from live.clock.follower.manual_control import Seed
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.control.events import events
 from live.control.events.events import ControlEvent

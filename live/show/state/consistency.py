@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.bounds_kernels import CAPACITY
+from live.agents.crowd.contact_kernels import CAPACITY
 from live.agents.crowd.crowd_step import Advance
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.elements import table_kernels as column
+from live.agents.elements import element_table_kernels
 from live.agents.elements.element import Element
 from live.agents.elements.element_kinds import FLOW_NAMES, KIND_COUNT, POINT_LIMIT, VERTEX_COUNT
 from live.agents.elements.element_table import SLOTS, ElementTable
@@ -19,11 +19,11 @@ from live.agents.evolutions.intention import Places
 from live.agents.evolutions.planned_segment import Motion
 from live.agents.evolutions.segment_start import Departure, Journey
 from live.agents.evolutions.trajectory import Locomotion
-from live.motion.partner_live.holding import Holding
-from live.motion.partner_live.read_leader import ReadLeader
+from live.motion.partner_live.hand_holds import Holding
+from live.motion.partner_live.stage_partner import ReadLeader
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.captured import Captured
-from live.show.capture.heard_poses import CANON_MEMORY, MEMORY, HeardPoses
+from live.show.capture.performer import Captured
+from live.show.capture.pose_buffer import CANON_MEMORY, MEMORY, HeardPoses
 from live.show.state.constants import at
 from live.show.state.kind import FARTHEST
 
@@ -49,7 +49,7 @@ def element_table(value: ElementTable) -> bool:
     """Rows by whose numbers kernels find corners, grids and what acts; an element may go on for ever."""
     rows: Array = at(value, "_all_rows")
     first, most = at(value, "_first"), at(value, "_capacity")
-    others = np.delete(rows, column.END, axis=1)
+    others = np.delete(rows, element_table_kernels.END, axis=1)
     whole = not np.isnan(rows).any() and bool(np.abs(others).max(initial=0.0) <= FARTHEST)
     within = all(
         low <= rows[:, place].min(initial=0.0) and rows[:, place].max(initial=0.0) <= high
@@ -59,9 +59,12 @@ def element_table(value: ElementTable) -> bool:
 
 
 _ROWS_WITHIN: Final = (
-    (column.KIND, 0, KIND_COUNT - 1), (column.CORNERS, 0, VERTEX_COUNT), (column.FLOW_KIND, -1, len(FLOW_NAMES)),
-    (column.SLOT, -1, SLOTS - 1), (column.TARGET_GROUP, -1, 63),
-)  # fmt: skip
+    (element_table_kernels.KIND, 0, KIND_COUNT - 1),
+    (element_table_kernels.CORNERS, 0, VERTEX_COUNT),
+    (element_table_kernels.FLOW_KIND, -1, len(FLOW_NAMES)),
+    (element_table_kernels.SLOT, -1, SLOTS - 1),
+    (element_table_kernels.TARGET_GROUP, -1, 63),
+)
 
 
 def element(value: Element) -> bool:

@@ -14,23 +14,22 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import Choosing
 from live.motion.partner.time_scaled_units import Stretches
 from live.motion.partner.units import Units
-from live.motion.partner_live.read_leader import Lore
+from live.motion.partner_live.stage_partner import Lore
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.texture.live_bank import TextureBank
 from live.show.desk.parameter_table import ParameterTable
 from live.show.group.group_motion import GroupMotion
 from live.show.partner.partner_sources import AnswerBank
-from live.show.patch.cue import CueSection
-from live.show.patch.improvise import ImproviseSection
-from live.show.patch.mocap import MocapSection
 from live.show.patch.patch import Patch
-from live.show.patch.react import ReactSection
-from live.show.patch.score import AtSection, SignalSection
-from live.show.score.improvise_table import Table
+from live.show.patch.section_cues import CueSection
+from live.show.patch.section_io import MocapSection
+from live.show.patch.section_music import ReactSection
+from live.show.patch.section_score import AtSection, ImproviseSection, SignalSection
+from live.show.score.improviser import Table
 from live.show.score.score import Written
 from live.show.score.sequence_lookup import Sequences
-from live.show.selection.foresight import Foresight
 from live.show.selection.interrupts import Interrupts
+from live.show.selection.lookahead import Foresight
 from live.show.state.kind import Kind
 from live.show.state.kinds_core import KINDS as CORE
 from live.show.state.kinds_dance import KINDS as DANCE

@@ -11,7 +11,8 @@ from live.agents.elements.element_field import ElementField
 from live.agents.elements.element_table import ElementTable
 from live.agents.entrances.entrances import Entrances
 from live.agents.entrances.gate import Gate
-from live.agents.evolutions.clearance import Approach
+from live.agents.evolutions.collision_check import Approach
+from live.agents.evolutions.facing import Facing, Orientation
 from live.agents.evolutions.intention import (
     By,
     Evolve,
@@ -22,53 +23,42 @@ from live.agents.evolutions.intention import (
     Places,
     Procedural,
     Repertoire,
+    Segment,
     Trajectory,
     Way,
 )
-from live.agents.evolutions.matching import Cost, Fill
-from live.agents.evolutions.orientation import Facing, Orientation
 from live.agents.evolutions.planned_segment import Motion
 from live.agents.evolutions.running_plan import Plan, _Entry
-from live.agents.evolutions.segment import Segment
 from live.agents.evolutions.segment_start import Departure, Draft, Journey
+from live.agents.evolutions.slot_assignment import Cost, Fill
 from live.agents.evolutions.start_delays import Arrive, Order, Ripple
 from live.agents.evolutions.trajectory import Locomotion, Setting
-from live.agents.formations.spec import FormationSpec
-from live.agents.groups.relations import Line
-from live.agents.groups.roster import Roster
+from live.agents.formations.formation_spec import FormationSpec
+from live.agents.groups.roster import Line, Roster
 from live.agents.prediction import LookAhead
-from live.agents.separation.parting import Parting
-from live.agents.separation.paths import PathParting, Paths
+from live.agents.separation.path_separation import Parting, PathParting, Paths
 from live.base.stage_snapshot import StageView
-from live.clock.consensus import Consensus, Heard, Preference
+from live.clock.beat_estimate import Consensus, Heard, Preference
 from live.clock.follower.audio_source import AudioSource
 from live.clock.follower.bar_alignment import Measures
 from live.clock.follower.beat_kalman_filter import BeatFilter
-from live.clock.follower.consensus_ear import ConsensusEar
+from live.clock.follower.clock_source import Level, Said
 from live.clock.follower.count_in import CountingIn
-from live.clock.follower.direct import DirectSource
-from live.clock.follower.hand import HandSource
-from live.clock.follower.jump import Jump
-from live.clock.follower.level import Level
-from live.clock.follower.pointer_ear import PointerEar
-from live.clock.follower.run import Run
-from live.clock.follower.said import Said
+from live.clock.follower.external_source import DirectSource, HandSource
+from live.clock.follower.phase_correction import Jump, Run
 from live.clock.follower.source_arbiter import Ruling
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.clock.grid import Grid
+from live.clock.follower.tracker_inputs import ConsensusEar, PointerEar
 from live.clock.tap_tempo import TapTempo
-from live.clock.timeline import Timeline
+from live.clock.timeline import Grid, Timeline
 from live.graph.search.sequence_spec import Wanted
-from live.motion.partner_live.holding import Holding
+from live.motion.partner_live.hand_holds import Holding
 from live.motion.partner_live.online_decoder import LiveReader
-from live.motion.partner_live.placing import Placing
-from live.motion.partner_live.player import LivePartner
-from live.motion.partner_live.read_leader import ReadLeader
-from live.motion.partner_live.standing import Standing
-from live.motion.pose.foot_lock import FootLock
+from live.motion.partner_live.online_player import LivePartner, Placing
+from live.motion.partner_live.stage_partner import ReadLeader, Standing
+from live.motion.pose.foot_lock import FootLock, Landing
 from live.motion.pose.hand_hold import Hands
 from live.motion.pose.inertialization import Inertia
-from live.motion.pose.landing import Landing
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.show.state import consistency as whole
 from live.show.state.kind import Kind, nothing

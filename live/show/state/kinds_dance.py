@@ -2,49 +2,40 @@
 
 from typing import Final
 
-from live.show.capture.anchor import Anchor
+from live.show.background_work import Pieces
 from live.show.capture.capture_manager import Mocap
-from live.show.capture.captured import Captured
-from live.show.capture.edges import Edges
-from live.show.capture.heard_poses import HeardPoses
+from live.show.capture.performer import Captured
 from live.show.capture.performer_forces import Presence
-from live.show.capture.performers import Performers
-from live.show.dancers.avoiding import Avoiding
-from live.show.dancers.coming import Coming
+from live.show.capture.pose_buffer import Anchor, HeardPoses
+from live.show.capture.stage_presence import Edges, Performers
+from live.show.dancers.collision_avoidance import Avoiding, Pushing
+from live.show.dancers.correction_update import Coming, ReAiming
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.drift import Drift
+from live.show.dancers.live_texture import Texturing
 from live.show.dancers.measure_state import Danced, _Ends
-from live.show.dancers.pair_steering import PairSteering
-from live.show.dancers.partners import Partners
-from live.show.dancers.pushing import Pushing
-from live.show.dancers.re_aiming import ReAiming
-from live.show.dancers.ripple import Ripple
+from live.show.dancers.partners import PairSteering, Partners
 from live.show.dancers.root_correction import Carried
 from live.show.dancers.root_correction_control import Carrying
-from live.show.dancers.texturing import Texturing
-from live.show.dancers.variation import Variation
-from live.show.dancers.variety import Variety
-from live.show.group.addressees import Addressees
+from live.show.dancers.timing_offsets import Drift, Ripple
+from live.show.dancers.variation import Variation, Variety
 from live.show.group.casting import Casting
-from live.show.group.elements import Elements
+from live.show.group.elements import Addressees, Elements
 from live.show.group.evolutions import Evolutions
 from live.show.group.group_motion import GroupMotion
-from live.show.partner.answer_poses import AnswerPoses
 from live.show.partner.leader_input import AnswerLeaders
 from live.show.partner.partner_agents import AnsweringAgents
 from live.show.partner.partner_response import Answering
 from live.show.partner.response_path import TakenAlong
+from live.show.partner.response_pose import AnswerPoses
 from live.show.patch.background_check import Drafting
-from live.show.pieces import Pieces
-from live.show.selection.agents_ahead import AgentsAhead
-from live.show.selection.aims import Aims
 from live.show.selection.choices import Choices
 from live.show.selection.clip_cut import Cutting, Moment
-from live.show.selection.headings import Headings
 from live.show.selection.interrupts import Interrupts, _Cue
+from live.show.selection.lookahead import AgentsAhead
 from live.show.selection.planning import Planning
 from live.show.selection.scheduler import Scheduler
 from live.show.selection.step_search import Searching
+from live.show.selection.step_targets import Aims, Headings
 from live.show.state import consistency as whole
 from live.show.state.kind import Kind
 

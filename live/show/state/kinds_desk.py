@@ -6,13 +6,14 @@ from live.show.audience.audience import Audience
 from live.show.audience.audience import Place as AudiencePlace
 from live.show.audience.voting import Turn, Vote
 from live.show.circuit_breakers import Breakers, Stage
-from live.show.core import Show
 from live.show.dancers.step_requests import Directions
-from live.show.desk.camera_rig import CameraRig
-from live.show.desk.chase import Chase
+from live.show.desk.camera_rig import CameraRig, Chase, Spots
 from live.show.desk.cue_list import Cues, _Given
-from live.show.desk.desk import Desk
-from live.show.desk.edited_parts import (
+from live.show.desk.light_desk import Desk, Master
+from live.show.desk.parameters import Parameters
+from live.show.desk.refusals import Refusals
+from live.show.desk.scenes import Scene, Scenes
+from live.show.desk.undo_history import (
     EditedFacings,
     EditedFormations,
     EditedMocap,
@@ -22,39 +23,32 @@ from live.show.desk.edited_parts import (
     EditedSequences,
     EditedSet,
     EditedStandBy,
+    Edits,
+    _Edit,
 )
-from live.show.desk.edits import Edits, _Edit
-from live.show.desk.master import Master
-from live.show.desk.parameters import Parameters
-from live.show.desk.refusals import Refusals
-from live.show.desk.scenes import Scene, Scenes
-from live.show.desk.spots import Spots
-from live.show.group.floor import Floor
 from live.show.group.formations import Formations, NamedFormation
 from live.show.group.group_commands import GroupControls
+from live.show.group.stage_area import Floor
 from live.show.measure_span import MeasureSpan
 from live.show.partner.partner_pairs import Asked as AnswerPairsAsked
 from live.show.partner.partner_pairs import Pair
-from live.show.patch.facing import Facing
-from live.show.patch.reloading import Reloading
+from live.show.patch.patch_update import Reloading
+from live.show.patch.section_motion import Facing
 from live.show.score.beat_scheduler import Agenda
 from live.show.score.canon import Echo
-from live.show.score.improvised_motion import ImprovisedMotion
-from live.show.score.improviser import Improviser
-from live.show.score.mood import Mood
-from live.show.score.occasions import Occasions
+from live.show.score.improviser import ImprovisedMotion, Improviser
+from live.show.score.music_reactions import Mood, Occasions, Reactions
 from live.show.score.part import Part
-from live.show.score.places import Asked as PlacesAsked
-from live.show.score.places import Place as PlacesPlace
-from live.show.score.places import Stand, Stretch
-from live.show.score.playhead import Playhead
-from live.show.score.reactions import Reactions
+from live.show.score.playhead import Asked as PlacesAsked
+from live.show.score.playhead import Place as PlacesPlace
+from live.show.score.playhead import Playhead, Stand, Stretch
 from live.show.score.score import Score
 from live.show.score.score_runner import Prompter
 from live.show.score.step_history import Ledger
 from live.show.score.step_program import GroupProgramme, _Before, _Call, _Place
 from live.show.selection.drawn_paths import DrawnWay
-from live.show.selection.new_steps import NewSteps
+from live.show.selection.graph_update import NewSteps
+from live.show.show import Show
 from live.show.state.kind import Kind, nothing
 from live.show.view.view_builder import Seen
 

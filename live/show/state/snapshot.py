@@ -3,11 +3,14 @@
 Taken where nothing is half planned. What patch and steps decide (graph, tables) is named and found again in a fresh
 show; what every tick works out anew is left out; all else is written field by field (`live/show/state`): a snapshot is
 data, and reading one calls nothing that it names.
+
+Keeping: when a running show's snapshots are taken (T148).
 """
 
 import hashlib
 import json
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -19,10 +22,10 @@ from live.agents.entrances.entrances import LEAVING
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.skeleton import JOINT_COUNT
-from live.show.core import Show
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
-from live.show.selection.library_hash import steps_hash
+from live.show.selection.graph_update import steps_hash
+from live.show.show import Show
 from live.show.state.byte_format import MOST_BYTES, Unreadable
 from live.show.state.constants import Constants, at
 from live.show.state.decoder import read_state
@@ -263,3 +266,47 @@ def _line(facts: dict[str, Any]) -> bytes:
 
 def _check(facts: dict[str, Any], packed: bytes) -> str:
     return hashlib.blake2b(_line(facts) + packed, digest_size=16).hexdigest()
+
+
+AFTER_LINE: Final = 6
+"""Ticks after a measure line at which a snapshot is taken: the frame of the line has enough to do."""
+PATIENCE: Final = 8
+"""After so many failures in a row no snapshot is tried any more: that costs time in the frame."""
+
+
+class Keeping:
+    """Takes one snapshot a measure, at the first tick at which nothing is half planned. Thread: the show's."""
+
+    def __init__(self, put: Callable[[Taken], None]) -> None:
+        self._put = put
+        self._source: Snapshots | None = None
+        self._due: int | None = None
+        self._in_a_row = 0
+        self.failed = 0
+        """Snapshots that could not be taken."""
+        self.problem = ""
+        """Why not, of the last one."""
+
+    def prepare(self, show: Show) -> None:
+        """Do what takes some milliseconds, before the show begins; left out, it is done with the first snapshot."""
+        self._source = Snapshots(show)
+
+    def after(self, show: Show, tick: int, *, begins: bool) -> None:
+        """The tick `tick` was run; `begins`: a measure began with it."""
+        if begins:
+            self._due = tick + AFTER_LINE
+        if self._due is None or tick < self._due or self._in_a_row >= PATIENCE:
+            return
+        if self._source is None or self._source.show is not show:
+            self.prepare(show)
+        assert self._source is not None
+        try:
+            taken = self._source.take(tick)
+        except SnapshotError as error:
+            self.failed += 1
+            self._in_a_row += 1
+            self.problem, self._due = str(error), None
+            return
+        if taken is not None:
+            self._in_a_row, self._due = 0, None
+            self._put(taken)

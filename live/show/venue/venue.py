@@ -1,21 +1,29 @@
-"""Venue: what is true of a hall and not of a show: its sound devices and how long sound and pictures take there."""
+"""Venue: what is true of a hall and not of a show: its sound devices and how long sound and pictures take there.
+
+What was measured, brought into the text of a venue's file so that all that a person wrote in it stays as it is.
+
+Latencies: the delays of a venue as the running show uses them, changed by hand while it runs.
+"""
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
 
+import tomlkit
 from pydantic import Field, field_validator
+from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME
 from live.clock.ticks import TICK
-from live.show.patch.osc import Endpoints, Targets
+from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings
 from live.show.patch.section_base import Name, Section
-from live.show.patch.toml_file import parse_model, read_text
+from live.show.patch.section_io import Endpoints, Targets
 from live.show.venue.venue_audience import VenueAudience
-from live.show.venue.venue_output import MOST_OUTPUTS, VenueOutput, check_outputs
-from live.show.venue.venue_projector import VenueProjector
+from live.show.venue.venue_output import MOST_OUTPUTS, VenueOutput, VenueProjector, check_outputs
 
 Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
 Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
@@ -169,3 +177,78 @@ def read_venue(name: str) -> Venue:
         known = ", ".join(known_venues()) or "none yet"
         raise PersonError(f"there is no venue {name!r}", f"live calibrate --venue {name} makes it; there are: {known}")
     return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
+
+
+HEAD = "# A venue: what is true of the hall and not of the show.\n\n"
+
+
+def with_values(text: str, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
+    """The TOML `text` (empty for a new file) with `values` by table and key; comments and all else are kept.
+
+    `comment` stands behind each of the lines that are new or changed.
+    """
+    document = tomlkit.parse(text or f"{HEAD}name = {tomlkit.item(name).as_string()}\n")
+    for table, keys in values.items():
+        if table not in document:
+            document[table] = tomlkit.table()
+        section = document[table]
+        for key, value in keys.items():
+            if section.get(key) == value:
+                continue
+            section[key] = value
+            section[key].comment(comment)
+    return tomlkit.dumps(document)
+
+
+def changed_venue(path: Path, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
+    """The text that the venue's file gets; PersonError if what is there is wrong."""
+    before = read_text(path, "venue") if is_file(path) else ""
+    parse_model(before, str(path), Venue, "venue")
+    try:
+        text = with_values(before, name, values, comment)
+    except TOMLKitError as error:
+        raise PersonError(f"{path}: {error}", "write the measured values into it yourself") from None
+    parse_model(text, str(path), Venue, "venue")
+    return text
+
+
+@dataclass(slots=True)
+class Latencies:
+    """Delays [s]. Thread: the show's; single values may be read from any."""
+
+    input: float = 0.0
+    """From the sound that is heard to its samples here."""
+    output: float | None = None
+    """From samples handed over to the sound that is heard; None: as the device says."""
+    display: float = TICK
+    """From a picture drawn to the display."""
+    projector: float = 0.0
+
+    @classmethod
+    def of(cls, venue: Venue | None) -> "Latencies":
+        """Those of a venue; the usual ones without."""
+        if venue is None:
+            return cls()
+        one = venue.latency
+        return cls(
+            one.input_ms / 1000.0,
+            None if one.output_ms is None else one.output_ms / 1000.0,
+            one.display_ms / 1000.0,
+            one.projector_ms / 1000.0,
+        )
+
+    @property
+    def lead(self) -> float:
+        """How far ahead of the clock a picture must be when it is drawn [s]: it is seen so much later."""
+        return self.display + self.projector
+
+    def set(self, what: str, seconds: float) -> None:
+        """Change one by its name; names there are not are left alone (replays of other versions)."""
+        if what in ("input", "output", "display", "projector"):
+            setattr(self, what, seconds)
+
+    def facts(self) -> dict[str, float | None]:
+        """In milliseconds, for the status."""
+        names = ("input", "output", "display", "projector", "lead")
+        values = {name: getattr(self, name) for name in names}
+        return {f"{name}_ms": None if value is None else round(1000.0 * value, 2) for name, value in values.items()}

@@ -8,12 +8,11 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
-from live.render.outputs.mesh import regular
 from live.render.outputs.output import UNBENT, Output, Point
+from live.render.outputs.warp import regular
+from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import is_file
-from live.show.patch.toml_file import parse_model, read_text
-from live.show.venue.venue import Venue
-from live.show.venue.venue_file import HEAD
+from live.show.venue.venue import HEAD, Venue
 
 DIGITS = 5
 """Of a point, behind the point: a hundredth of a pixel of the finest projector."""

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
-from live.motion.pose.legs_kernels import HELD
+from live.motion.pose.foot_lock_kernels import HELD
 from live.motion.skeleton import SKELETON
-from live.show.core import Show
+from live.show.show import Show
 
 Float32 = npt.NDArray[np.float32]
 

@@ -5,19 +5,18 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Final
 
-from live.base.bodies import BODIES, USUAL
-from live.base.character import CharacterFile
+from live.base.body_catalogue import BODIES, USUAL, CharacterFile
 from live.base.errors import PersonError, named
 from live.base.projector_perspective import matched
 from live.base.set_geometry import Item
 from live.base.stage_snapshot import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
-from live.render.background_file import check_background
+from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
 from live.show.desk.parameter_table import numbers_of
-from live.show.patch.draw import drawn
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import find_beside
+from live.show.patch.patch_reader import find_beside
+from live.show.patch.section_picture import drawn
 from live.show.patch.section_stage import CameraSection
 
 _LOOK: Final = {field.name for field in fields(Look)}

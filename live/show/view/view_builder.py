@@ -12,7 +12,7 @@ from live.clock.timeline import Timeline
 from live.motion.skeleton import JOINT_COUNT
 from live.show.audience.audience import Audience
 from live.show.dancers.dancers import Dancers
-from live.show.desk.desk import Desk
+from live.show.desk.light_desk import Desk
 from live.show.group.group_motion import GroupMotion
 from live.show.journal.state_hash import hash_of
 from live.show.measure_span import MeasureSpan

@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.line_writer import Unwritten, Written
+from live.show.journal.journal_writer import Unwritten, Written
 from live.supervisor.adoption.hung_engine import end_if_hung, holders
 from live.supervisor.adoption.rendezvous import ENDING, in_folder, own_folder, same_user, told_by
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.wire import Wire, WireBroken
+from live.supervisor.line_channel import Wire, WireBroken
 
 ANSWERS_WITHIN: Final = 6.0
 """Seconds in which an engine that is alone answers: it looks after each frame, and may have a slow one."""

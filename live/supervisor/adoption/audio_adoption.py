@@ -13,11 +13,10 @@ import time
 from typing import Final
 
 from live.supervisor.adoption.adoption import Adopted
-from live.supervisor.child import Child
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.lifeline import Lifeline
-from live.supervisor.starter import Starter
-from live.supervisor.wire import Wire
+from live.supervisor.line_channel import Wire
+from live.supervisor.process import Child, Starter
+from live.supervisor.supervisor_link import Lifeline
 
 ANSWERS_WITHIN: Final = 3.0
 """Seconds; it looks five times a second."""

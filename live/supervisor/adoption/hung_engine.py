@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
 
-from live.supervisor.procfs import machine, usage_of
+from live.supervisor.process_stats import machine, usage_of
 from live.supervisor.restart_policy import CEILING
 from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
 

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK
-from live.show.journal.journal_file import SNAPSHOTS, read_snapshots
-from live.show.journal.line_writer import Unwritten, Written
-from live.supervisor.log import CHANGES, Log
+from live.show.journal.journal_writer import SNAPSHOTS, Unwritten, Written, read_snapshots
+from live.supervisor.recovery_log import CHANGES, Log
 
 WITHIN: Final = 300.0
 """Seconds that a show may have been gone; after that it begins anew."""

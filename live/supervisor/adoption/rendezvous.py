@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.line_writer import Unwritten
-from live.supervisor.log import Log
-from live.supervisor.wire import Wire
+from live.show.journal.journal_writer import Unwritten
+from live.supervisor.line_channel import Wire
+from live.supervisor.recovery_log import Log
 
 FOLDER: Final = "choreographics-live"
 ENDING: Final = ".sock"

@@ -19,7 +19,7 @@ from typing import Final
 from live.base.fault_isolation import run_once
 from live.supervisor.network.identity import Identity, Pairings, Peer
 from live.supervisor.network.tls import HANDSHAKE_WITHIN, Handshake, SecureWire, Trust
-from live.supervisor.starter import Starter
+from live.supervisor.process import Starter
 
 AGAIN: Final = 0.5
 """Seconds between two attempts to reach a machine."""

@@ -33,7 +33,7 @@ from live.supervisor.network.peer_messages import (
     verified,
 )
 from live.supervisor.network.peers import Link, Peers
-from live.supervisor.starter import ROUND, Starter
+from live.supervisor.process import ROUND, Starter
 from live.supervisor.supervisor_config import Orders, Report
 
 LONGEST_WHY: Final = 400

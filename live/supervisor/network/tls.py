@@ -12,8 +12,8 @@ import socket
 import ssl
 from typing import Final
 
+from live.supervisor.line_channel import Wire
 from live.supervisor.network.identity import Identity, Pairings, Peer
-from live.supervisor.wire import Wire
 
 NO_CHECK_TIME: Final = 0x200000
 """X509_V_FLAG_NO_CHECK_TIME of OpenSSL, which Python has no name for."""

@@ -5,7 +5,7 @@ from itertools import chain, pairwise
 import numpy as np
 import pytest
 
-from live.agents.crowd.cells_kernels import SORTED_ROWS, sort_agents
+from live.agents.crowd.spatial_grid_kernels import SORTED_ROWS, sort_agents
 
 CAPACITY = 64
 

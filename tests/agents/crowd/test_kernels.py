@@ -6,21 +6,24 @@ import numpy as np
 import pytest
 
 from live.agents.crowd.agent_state import Steering
-from live.agents.crowd.blocks_kernels import (
+from live.agents.crowd.contact_kernels import CONTACT_MARGIN
+from live.agents.crowd.neighbour_kernels import sum_neighbours
+from live.agents.crowd.spatial_grid_kernels import (
     ASK_ROWS,
     AVOID_X,
     AVOID_Z,
     FLOCK_X,
     FLOCK_Z,
+    NEIGHBOUR_RANGE,
     PUSH_X,
     PUSH_Z,
+    SLEEP,
+    SORTED_ROWS,
     SUM_ROWS,
     WEIGHT,
+    sort_agents,
 )
-from live.agents.crowd.cells_kernels import NEIGHBOUR_RANGE, SLEEP, SORTED_ROWS, sort_agents
-from live.agents.crowd.contacts_kernels import CONTACT_MARGIN
-from live.agents.crowd.crowd_kernels import CELL_ROWS, SPARE_COLUMNS
-from live.agents.crowd.neighbour_kernels import sum_neighbours
+from live.agents.crowd.step_kernels import CELL_ROWS, SPARE_COLUMNS
 
 
 def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None, asleep=()):

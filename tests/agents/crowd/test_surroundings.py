@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.crowd.bounds_kernels import CAPACITY
+from live.agents.crowd.contact_kernels import CAPACITY
 from live.agents.crowd.obstacles import Surroundings
 
 

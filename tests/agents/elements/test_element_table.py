@@ -5,7 +5,7 @@ import numpy as np
 from live.agents.elements.element import Element
 from live.agents.elements.element_kinds import ATTRACTOR, PATH
 from live.agents.elements.element_table import ElementTable
-from live.agents.elements.table_kernels import CORNERS, END, SERIAL, X
+from live.agents.elements.element_table_kernels import CORNERS, END, SERIAL, X
 
 CAPACITY = 12
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.agents.evolutions import evolutions_kernels as k
+from live.agents.evolutions import evolution_kernels
 from live.agents.evolutions.trajectory import Locomotion, Setting
 
 
@@ -19,7 +19,7 @@ def locomotion(ways, times, soft=0.25):
 @pytest.mark.parametrize("soft", [0.0, 0.1, 0.25, 0.5])
 def test_the_profile_goes_from_nothing_to_all_without_jumps_of_speed(soft):
     t = np.linspace(0, 1, 2001)
-    share = np.array([k.profile(x, soft) for x in t])
+    share = np.array([evolution_kernels.profile(x, soft) for x in t])
     speed = np.gradient(share, t)
     assert share[0] == 0.0
     assert share[-1] == 1.0
@@ -59,14 +59,14 @@ def test_samples_are_the_places_of_straight_ways():
     moved = locomotion([[[0, 0], [4, 1]], [[1, 1], [0, 0]]], [[0.0, 4.0], [2.0, 4.0]])
     beats = np.linspace(-1, 5, 13)
     sample = np.zeros((13, 2, 2), np.float32)
-    k.sample_ways(beats, moved.ways, moved.times, moved.soft, 0, 2, sample)
+    evolution_kernels.sample_ways(beats, moved.ways, moved.times, moved.soft, 0, 2, sample)
     assert sample == pytest.approx(moved.sampled(beats)[0], abs=1e-5)
 
 
 def test_the_nearest_approach_is_found_between_samples():
     sample = np.random.default_rng(3).uniform(-3, 3, (4, 5, 2)).astype(np.float32)
     distance, when = np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32)
-    k.nearest_approach(sample, 0, 5, distance, when)
+    evolution_kernels.nearest_approach(sample, 0, 5, distance, when)
     at = np.linspace(0, 3, 3001)
     fine = np.stack([[np.interp(at, range(4), sample[:, d, a]) for a in range(2)] for d in range(5)])
     for i in range(5):
@@ -80,7 +80,7 @@ def test_the_nearest_approach_is_found_between_samples():
 def test_tracking_asks_for_the_way_and_for_what_is_missing():
     rows = np.full((2, 8), 7, np.float32)
     now = np.array([[0, 0], [0, 0]], np.float32)
-    k.track(now, now + np.float32(0.3), now + np.float32(1), np.array([1, 0], np.uint8), 2.0, 0.3, rows)
+    evolution_kernels.track(now, now + np.float32(0.3), now + np.float32(1), np.array([1, 0], np.uint8), 2.0, 0.3, rows)
     assert rows[0, :2] == pytest.approx([3.0, 3.0], abs=1e-5)
     assert rows[0, 6] == 1.0
     assert (rows[1] == 7).all()
@@ -92,7 +92,7 @@ def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
     t = np.linspace(-1, 1, 33)
     sample = np.stack([np.stack([t * 3, t * 0], 1), np.stack([-t * 3, t * 0], 1)]).astype(np.float32)
     offset = np.zeros_like(sample)
-    assert k.part_ways(sample, offset, 0.5, 1.0, freedom, 5) >= 1
+    assert evolution_kernels.part_ways(sample, offset, 0.5, 1.0, freedom, 5) >= 1
     assert (offset[:, [0, -1]] == 0).all()
     assert offset[0] == pytest.approx(-offset[1], abs=1e-6)
     apart = np.hypot(*np.moveaxis(sample[0] + offset[0] - sample[1] - offset[1], -1, 0))
@@ -100,7 +100,7 @@ def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
     if freedom == 0.0:
         assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # square to the way on which they meet
     other = np.zeros_like(sample)
-    k.part_ways(sample, other, 0.5, 1.0, freedom, 8)
+    evolution_kernels.part_ways(sample, other, 0.5, 1.0, freedom, 8)
     assert not np.allclose(offset, other)
 
 
@@ -108,7 +108,7 @@ def test_smoothing_is_a_quarter_a_half_a_quarter():
     ways = np.random.default_rng(1).normal(size=(2, 6, 2)).astype(np.float32)
     expected = ways.copy()
     expected[:, 1:-1] = 0.25 * ways[:, :-2] + 0.5 * ways[:, 1:-1] + 0.25 * ways[:, 2:]
-    k.smooth_ways(ways)
+    evolution_kernels.smooth_ways(ways)
     assert ways == pytest.approx(expected, abs=1e-6)
 
 
@@ -116,6 +116,6 @@ def test_swaps_leave_dancers_without_a_slot_and_other_sections_alone():
     start = np.array([[0.0, 0], [1, 0], [2, 0], [9, 9]])
     slots = np.array([[0.0, 1], [1, 1], [2, 1]])
     slot = np.array([1, 0, 2, -1], np.int32)
-    assert k.swap_pairs(start, slots, slot, np.array([0, 1, 0, 0], np.int32), 0, 4) == 0
-    assert k.swap_pairs(start, slots, slot, np.zeros(4, np.int32), 0, 4) == 1
+    assert evolution_kernels.swap_pairs(start, slots, slot, np.array([0, 1, 0, 0], np.int32), 0, 4) == 0
+    assert evolution_kernels.swap_pairs(start, slots, slot, np.zeros(4, np.int32), 0, 4) == 1
     assert slot.tolist() == [0, 1, 2, -1]

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.divided import DividedMatching
-from live.agents.evolutions.matching import Cost, Fill, assign, by_id, distances
-from live.agents.evolutions.sections import allowed, sections
+from live.agents.evolutions.incremental_assignment import DividedMatching
+from live.agents.evolutions.slot_assignment import Cost, Fill, allowed, assign, by_id, distances, sections
 
 
 def places(count, seed, size=5.0):

@@ -4,8 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.evolutions_kernels import nearest_approach
-from live.agents.evolutions.meetings_kernels import count_meetings, longest_steps, meet
+from live.agents.evolutions.evolution_kernels import count_meetings, longest_steps, meet, nearest_approach
 
 COUNT, TIMES = 12, 33
 

@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.evolutions import paths
-from live.agents.evolutions.clearance import Clearance, approaches
-from live.agents.evolutions.divide import divided
-from live.agents.evolutions.matching import assign
-from live.agents.evolutions.mend import mended
+from live.agents.evolutions.collision_check import Clearance, approaches, mended
+from live.agents.evolutions.paths import divided
+from live.agents.evolutions.slot_assignment import assign
 from live.agents.evolutions.start_delays import Arrive, Order, Ripple, delays, squeezed, times
 from live.agents.evolutions.trajectory import Locomotion
 

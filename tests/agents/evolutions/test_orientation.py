@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.evolutions import orientation as o
+from live.agents.evolutions import facing
 
 ANGLES = st.floats(-30, 30)
 
@@ -13,13 +13,13 @@ ANGLES = st.floats(-30, 30)
 def test_the_thesis_golden_turn_of_figure_5_5():
     """Five measures to the public, then 80°: turns of 20°, 40°, 20° at measures 5, 6, 7."""
     headings = np.radians([0] * 5 + [80] * 5)
-    turned = np.degrees(o.rotations(o.smoothed(headings)))  # entry k is the turn at measure k + 2
+    turned = np.degrees(facing.rotations(facing.smoothed(headings)))  # entry k is the turn at measure k + 2
     assert turned == pytest.approx([0, 0, 0, 20, 40, 20, 0, 0, 0], abs=1e-9)
 
 
 @given(st.lists(ANGLES, min_size=1, max_size=12))
 def test_unwrapping_keeps_the_direction_and_never_jumps(headings):
-    flat = o.unwrap(headings)
+    flat = facing.unwrap(headings)
     assert np.cos(flat) == pytest.approx(np.cos(headings), abs=1e-6)
     assert np.sin(flat) == pytest.approx(np.sin(headings), abs=1e-6)
     assert (np.abs(np.diff(flat)) <= np.pi + 1e-9).all()
@@ -27,28 +27,28 @@ def test_unwrapping_keeps_the_direction_and_never_jumps(headings):
 
 @given(st.lists(ANGLES, min_size=2, max_size=12), ANGLES)
 def test_smoothing_turns_with_the_stage_and_stays_within_its_neighbours(headings, turn):
-    flat = o.unwrap(headings)
-    smooth = o.smoothed(headings)
+    flat = facing.unwrap(headings)
+    smooth = facing.smoothed(headings)
     padded = np.concatenate([flat[:1], flat, flat[-1:]])
     around = np.stack([padded[:-2], padded[1:-1], padded[2:]])
     assert (smooth <= around.max(axis=0) + 1e-9).all()
     assert (smooth >= around.min(axis=0) - 1e-9).all()
-    assert o.smoothed(flat + turn) - (flat[0] + turn) == pytest.approx(smooth - flat[0], abs=1e-6)
+    assert facing.smoothed(flat + turn) - (flat[0] + turn) == pytest.approx(smooth - flat[0], abs=1e-6)
 
 
 @given(ANGLES, ANGLES)
 def test_the_shorter_way_round(before, after):
-    turn = float(o.shortest_turn(before, after))
+    turn = float(facing.shortest_turn(before, after))
     assert -np.pi - 1e-9 <= turn <= np.pi + 1e-9
     assert np.cos(before + turn) == pytest.approx(np.cos(after), abs=1e-6)
-    knots = o.linear(np.array([[2.0, 6.0]]), [before], [after])
+    knots = facing.linear(np.array([[2.0, 6.0]]), [before], [after])
     assert knots[0, :, 0].tolist() == [2.0, 6.0]
     assert knots[0, 1, 1] == pytest.approx(before + turn)
 
 
 def test_tangent_turns_first_then_faces_the_way_then_turns_again():
     ways = np.array([[[0, 0], [2, 0], [2, 2]]], np.float32)  # to the right, then towards the audience
-    knots = o.tangent(ways, [0, 0.5, 1], np.array([[1.0, 9.0]]), 1.0, [0.0], [-0.5])
+    knots = facing.tangent(ways, [0, 0.5, 1], np.array([[1.0, 9.0]]), 1.0, [0.0], [-0.5])
     beats, heading = knots[0].T
     assert beats[0] == 0.0
     assert beats[-1] == 10.0
@@ -63,16 +63,16 @@ def test_tangent_turns_first_then_faces_the_way_then_turns_again():
 
 def test_who_stays_turns_evenly_and_a_rest_on_the_way_keeps_the_direction():
     ways = np.array([[[1, 1]] * 4, [[0, 0], [0, 0], [1, 0], [1, 0]]], np.float32)
-    knots = o.tangent(ways, np.linspace(0, 1, 4), np.array([[0.0, 8.0]] * 2), 1.0, [0.0, 0.0], [1.0, 0.0])
+    knots = facing.tangent(ways, np.linspace(0, 1, 4), np.array([[0.0, 8.0]] * 2), 1.0, [0.0, 0.0], [1.0, 0.0])
     beats, heading = knots[0].T
     assert heading == pytest.approx((beats - beats[0]) / (beats[-1] - beats[0]), abs=1e-9)
-    travelling = knots[1][o.TURN_KNOTS : -o.TURN_KNOTS, 1]
+    travelling = knots[1][facing.TURN_KNOTS : -facing.TURN_KNOTS, 1]
     assert travelling == pytest.approx(np.pi / 2)
 
 
 def test_headings_by_the_measure_follow_the_way_and_rest_to_the_public():
     lines = np.array([[[0, 0]], [[1, 0]], [[1, 0.02]], [[1, -1]]], np.float32)
-    assert o.travelled(lines, [0.0]) == pytest.approx(np.array([[np.pi / 2, 0.0, np.pi]]))
-    knots = o.by_measure(8.0, 4.0, [0.0], [[np.pi / 2, 0.0, np.pi]])
+    assert facing.travelled(lines, [0.0]) == pytest.approx(np.array([[np.pi / 2, 0.0, np.pi]]))
+    knots = facing.by_measure(8.0, 4.0, [0.0], [[np.pi / 2, 0.0, np.pi]])
     assert knots[0, :, 0].tolist() == [8.0, 12.0, 16.0, 20.0]
     assert knots[0, :2, 1] == pytest.approx([0.0, np.pi / 2])

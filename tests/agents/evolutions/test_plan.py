@@ -8,6 +8,7 @@ import pytest
 from live.agents.agent_command import Wants
 from live.agents.crowd.agent_state import AgentState
 from live.agents.evolutions.dry_run import rehearse
+from live.agents.evolutions.facing import Facing, Orientation, shortest_turn
 from live.agents.evolutions.intention import (
     By,
     Evolve,
@@ -18,18 +19,18 @@ from live.agents.evolutions.intention import (
     Places,
     Procedural,
     Repertoire,
+    Segment,
     Trajectory,
     Way,
+    in_canon,
+    in_mirror,
 )
-from live.agents.evolutions.matching import Cost
-from live.agents.evolutions.orientation import Facing, Orientation, shortest_turn
 from live.agents.evolutions.planned_segment import PATIENCE
 from live.agents.evolutions.running_plan import AT_ONCE, Plan
-from live.agents.evolutions.segment import Segment, in_canon, in_mirror
-from live.agents.evolutions.standing_clear import clear_places
+from live.agents.evolutions.slot_assignment import Cost
+from live.agents.evolutions.slot_layout import clear_places
 from live.agents.evolutions.start_delays import Arrive, Order, Ripple
-from live.agents.groups.relations import Line, mirrored
-from live.agents.groups.roster import Roster
+from live.agents.groups.roster import Line, Roster, mirrored
 from live.base.errors import PersonError
 
 A = 12

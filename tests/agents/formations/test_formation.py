@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.formations.formation import SOLOIST, check_formation, formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from tests.agents.formations.tables import AREAS, EVERYTHING, LINES, PATTERNS
 
 few = settings(max_examples=25, deadline=None)

@@ -8,7 +8,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from tests.agents.formations.tables import HEART, RING
 
 

@@ -8,8 +8,7 @@ import pytest
 
 from live.agents.formations.formation import check_formation, formation_of
 from live.agents.formations.formation_notation import spec_from_words
-from live.agents.formations.spec import FormationSpec
-from live.agents.formations.spec_table import spec_from_table, spec_to_table
+from live.agents.formations.formation_spec import FormationSpec, spec_from_table, spec_to_table
 from live.base.errors import PersonError
 from tests.agents.formations.tables import EVERYTHING
 

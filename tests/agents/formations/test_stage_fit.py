@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec import FormationSpec
+from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.stage_fit import fit_stage
 
 

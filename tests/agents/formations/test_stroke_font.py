@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.spatial import cKDTree
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from live.agents.formations.stroke_font import STROKES, letter_strokes, text_strokes
 
 LETTERS = [letter for letter in STROKES if letter.isalnum()]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from live.agents.formations.svg_import import path_lines, svg_file_paths
 from live.base.errors import PersonError
 

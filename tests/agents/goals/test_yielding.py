@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.goals.yielding import who_gives_way
+from live.agents.goals.goals import who_gives_way
 
 
 def reachable(position, arrived, near):

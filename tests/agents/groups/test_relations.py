@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.groups.relations import Line, canon, mirrored, mirrored_heading, partners
+from live.agents.groups.roster import Line, canon, mirrored, mirrored_heading, partners
 
 FINITE = st.floats(-20, 20)
 LINES = st.builds(Line, FINITE, FINITE, st.floats(-7, 7))

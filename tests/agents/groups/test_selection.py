@@ -5,9 +5,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.groups.expression import DEEPEST, LONGEST, Combined, Numbers, Word, parse
+from live.agents.groups.group_expression import (
+    DEEPEST,
+    LONGEST,
+    Combined,
+    Numbers,
+    Word,
+    divide,
+    needs_places,
+    parse,
+    selection,
+)
 from live.agents.groups.roster import PLACE_WORDS, Roster
-from live.agents.groups.selection import divide, needs_places, selection
 from live.base.errors import PersonError
 
 ROSTER = Roster.of(

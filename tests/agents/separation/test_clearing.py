@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.separation.paths import MOMENTS, PathParting, Paths
+from live.agents.separation.path_separation import MOMENTS, PathParting, Paths
 
 RADIUS = 0.25
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.separation.parting import Parting
+from live.agents.separation.path_separation import Parting
 
 
 def parting(count):

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from live.agents.separation.path_separation import MARGIN, MOMENTS, PathParting, Paths
 from live.agents.separation.path_separation_kernels import walk_on
-from live.agents.separation.paths import MARGIN, MOMENTS, PathParting, Paths
 from live.agents.separation.separation_kernels import bind_agents
 
 RADIUS = 0.25

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.separation.threats_kernels import NEAR, find_threatened
+from live.agents.separation.collision_prediction_kernels import NEAR, find_threatened
 
 RADIUS = 0.25
 SLACK = 0.03

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.agents.separation.ways_out_kernels import find_lacks
+from live.agents.separation.collision_prediction_kernels import find_lacks
 
 
 def test_lacks_are_the_worst_and_the_mean_over_the_moments():

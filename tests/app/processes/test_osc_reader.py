@@ -10,15 +10,15 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from live.app.played import Played
-from live.app.processes import supervised
-from live.base.inbox import Inbox
+from live.app.launch_options import Played
+from live.app.processes import engine_main
+from live.base.event_queue import Inbox
 from live.cli.main import app
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.control.osc.osc_process import OscRemote
 from live.control.osc.osc_socket import bound_socket
-from live.supervisor.child import Child
+from live.supervisor.process import Child
 from tests.control.osc.osc_stage import message
 from tests.control.waiting import wait_for
 
@@ -156,7 +156,7 @@ def test_a_supervised_show_has_osc_read_by_a_process_unless_it_is_told_otherwise
         def run(self) -> int:
             return 0
 
-    monkeypatch.setattr(supervised, "Supervisor", Made)
+    monkeypatch.setattr(engine_main, "Supervisor", Made)
     done = CliRunner().invoke(app, ["play", "--headless", "--bpm", "120", "--osc", "127.0.0.1:0", *options])
     assert done.exit_code == 0, done.output
     (orders,) = made
@@ -169,7 +169,7 @@ def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise
 ) -> None:
     wishes: list[Any] = []
     monkeypatch.setattr("live.app.kernel_warmup.warm_kernels", lambda console: None)
-    monkeypatch.setattr("live.app.stage.play_show", lambda wish, **_: wishes.append(wish))
+    monkeypatch.setattr("live.app.headless_loop.play_show", lambda wish, **_: wishes.append(wish))
     for options in ((), ("--osc-process",)):
         done = CliRunner().invoke(app, ["play", "--headless", "--alone", "--bpm", "120", *options])
         assert done.exit_code == 0, done.output

@@ -9,9 +9,9 @@ from live.app.processes.remote_standby import follow
 from live.base.errors import PersonError
 from live.control.events.event_json import event_to_json
 from live.control.events.events import PatchChanged
-from live.show.load import LoadedShow
-from live.show.patch.edit import version_of
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_update import version_of
 from live.supervisor.state_follower import Following
 from tests.show.made_show import GRAPH, PATCH
 

@@ -7,11 +7,11 @@ import signal
 import aiohttp
 import pytest
 
+from live.app.launch_options import Wish
 from live.app.option_values import audience_address, audience_web_address, with_audience
 from live.app.services.audience_service import AudiencePart, beat_of, rules_of
-from live.app.wish import Wish
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.show.engine import Engine

@@ -16,14 +16,14 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
+from live.app.launch_options import Wish
 from live.app.services.audience_service import AudiencePart, network_of, tls_files
 from live.app.services.audience_tls import parse_tls, read_identity
-from live.app.wish import Wish
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
-from live.cli.inspect.before_doors import certificate_checks
+from live.base.event_queue import Inbox
+from live.cli.inspect.venue_check import certificate_checks
 from live.clock.time_source import ManualClock
-from live.show.patch.audience import AudienceSection
+from live.show.patch.section_io import AudienceSection
 from live.show.venue.venue import Venue
 from tests.app.services.test_audience_part import Stage
 from tests.control.audience.made_gateway import FakePhone, until

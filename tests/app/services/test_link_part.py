@@ -5,8 +5,8 @@ import sys
 import pytest
 from rich.console import Console
 
-from live.app.services.link_part import make_link
-from live.base.inbox import Inbox
+from live.app.services.click_service import make_link
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from tests.cli.command import run_live
 from tests.show.made_show import made_show

@@ -8,8 +8,8 @@ import urllib.request
 
 import pytest
 
+from live.app.services.http_services import OscQueryPart
 from live.app.services.listening_socket import listening_socket
-from live.app.services.oscquery_part import OscQueryPart
 from live.base.errors import PersonError
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for

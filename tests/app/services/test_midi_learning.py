@@ -6,9 +6,9 @@ from typing import Any, cast
 
 import pytest
 
-from live.app.services.midi_part import OnMidi
+from live.app.services.midi_service import OnMidi
 from live.app.window_operator import Operator
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
 from live.control.events import events
@@ -16,9 +16,9 @@ from live.control.events.events import ControlEvent, ForgetMidi, LearnMidi
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
 from live.control.registry.control import Plain
-from live.control.registry.values import Values
+from live.control.registry.registry import Values
 from live.show.patch.hot_reload import stamp_of_files
-from live.show.patch.patch_file import PatchError, read_patch
+from live.show.patch.patch_reader import PatchError, read_patch
 from live.show.patch.patch_search_path import learned_path
 from tests.show.made_show import PATCH, made_show
 

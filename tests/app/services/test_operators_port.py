@@ -4,7 +4,7 @@ from collections import Counter
 from types import SimpleNamespace
 from typing import Any, cast
 
-from live.app.services.operators_port import osc_rejected
+from live.app.services.osc_services import osc_rejected
 
 
 def test_what_osc_refused_is_counted_with_what_was_lost() -> None:

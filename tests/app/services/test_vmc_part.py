@@ -6,16 +6,15 @@ import socket
 import numpy as np
 import pytest
 
-from live.app.services.psn_part import make_psn
-from live.app.services.vmc_part import make_vmc
-from live.app.wish import Wish
+from live.app.launch_options import Wish
+from live.app.services.capture_services import make_psn, make_vmc
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
-from live.control.capture.vmc_playing import play_clip
+from live.control.capture.vmc_output import play_clip
 from live.motion.clip import Clip
 from live.motion.packed_pose import unpack_pose
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.venue.venue import Venue
 from tests.cli.command import run_live
 from tests.control.capture.test_vmc_stream import poses, stream

@@ -12,7 +12,7 @@ import time
 import aiohttp
 import pytest
 
-from live.app.services.http_part import HttpPart
+from live.app.services.http_services import HttpPart
 from live.clock.time_source import SystemClock
 from tests.end_to_end.browser import browser, needs_browser
 

@@ -5,8 +5,8 @@ import stat
 
 import pytest
 
-from live.app.services.web_key import kept_key, key_file, parse_web
-from live.app.wish import Wish
+from live.app.launch_options import Wish
+from live.app.services.http_services import kept_key, key_file, parse_web
 from live.base.errors import PersonError
 
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
+from live.app.launch_options import Wish
 from live.app.option_values import parse_measures
 from live.app.practice import practice_events, practice_tempo
-from live.app.session_sound import choose_sound
-from live.app.wish import Wish
+from live.app.session_audio import choose_sound
 from live.base.errors import PersonError
-from live.cli.inspect import before_doors
-from live.cli.inspect.before_doors import check_disk, check_osc, venue_checks
-from live.cli.venue.inventory import Section
+from live.cli.inspect import venue_check
+from live.cli.inspect.venue_check import check_disk, check_osc, venue_checks
+from live.cli.venue.devices import Section
 from live.show.venue.venue import Venue, VenueAudio, VenueMidi
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
@@ -35,8 +35,8 @@ def test_the_venue_that_is_not_there_and_the_show_that_is_good(tmp_path):
 
 def test_devices_of_the_venue_are_looked_for_by_a_part_of_their_names(monkeypatch):
     cards = Section("audio", ({"name": "Scarlett 2i2 USB"}, {"name": "HDMI"}))
-    monkeypatch.setattr(before_doors, "audio", lambda: (cards, cards))
-    monkeypatch.setattr(before_doors, "midi", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
+    monkeypatch.setattr(venue_check, "audio", lambda: (cards, cards))
+    monkeypatch.setattr(venue_check, "midi", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
     hall = Venue(audio=VenueAudio(device="scarlett", output="Behringer"), midi=VenueMidi(input="nanoKONTROL"))
     states = {check.name: check for check in venue_checks(hall)}
     assert states["audio.device"].state == "ok"
@@ -57,7 +57,7 @@ def test_a_port_that_is_taken_is_missing_and_a_free_one_answers():
 def test_a_full_disk_is_told(tmp_path, monkeypatch):
     assert check_disk(tmp_path / "nowhere").state == "limited"
     for free, state in ((1e8, "missing"), (1e9, "limited"), (1e10, "ok")):
-        monkeypatch.setattr(before_doors.shutil, "disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
+        monkeypatch.setattr(venue_check.shutil, "disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
         assert check_disk(tmp_path).state == state
 
 
@@ -112,12 +112,11 @@ def test_no_music_plays_to_practice_and_none_can_be_slowed():
 def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):
     from PIL import Image
 
-    from live.app import output_places
-    from live.render.window.monitor_places import find_place
-    from live.render.window.monitors import Monitor
+    from live.app import output_config
+    from live.render.window.monitors import Monitor, find_place
 
     there = [Monitor(1, "eDP-1", (0, 0), (1920, 1080), 60.0), Monitor(2, "HDMI-1", (1920, 0), (1280, 720), 60.0)]
-    monkeypatch.setattr(output_places, "find_place", lambda text: find_place(text, there))
+    monkeypatch.setattr(output_config, "find_place", lambda text: find_place(text, there))
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     Image.new("L", (64, 32)).save(tmp_path / "venues" / "m.png")

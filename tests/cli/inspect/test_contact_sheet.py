@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.app.session_sound import Sound
+from live.app.session_audio import Sound
 from live.cli.inspect.contact_sheet import _apart
 from live.cli.inspect.sheet_moments import Taken, Taking, moments_of_patch
 from live.cli.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
 from live.clock.ticks import TICK
-from live.show.load import LoadedShow, load_show
+from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import find_patch
 
 SIZE = (160, 90)
@@ -56,7 +56,7 @@ def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> Non
 def test_traces_are_drawn_before_and_only_where_there_are_some(loaded: LoadedShow) -> None:
     for trails in (0.0, 0.7):
         show = loaded.start(seed=1, tempo=240.0)
-        from live.base.picture import BY_ADDRESS
+        from live.base.picture_parameters import BY_ADDRESS
 
         show.desk.parameters.value[BY_ADDRESS["/dance/pass/trails"].first] = trails
         taking = Taking(show, 1, 0)

@@ -9,13 +9,13 @@ import av
 import mido
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 from live.show.status import Status
 from tests.cli.command import run_live

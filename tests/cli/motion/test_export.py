@@ -11,7 +11,7 @@ from live.cli.motion.export import export
 from live.library.motion_file import read_motion
 from live.library.step_folder import load_folder
 from live.motion.clip import Clip
-from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON

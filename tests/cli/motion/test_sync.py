@@ -10,9 +10,8 @@ from typer.testing import CliRunner
 
 from live.base.errors import PersonError
 from live.cli.main import app
-from live.library.sync import Sync
-from live.motion.beats.clap_sync import PlacedClap
-from live.motion.beats.claps import Clap
+from live.library.beat_alignment import Sync
+from live.motion.beats.clap_sync import Clap, PlacedClap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
 from tests.library.test_music_reference import click_track

@@ -10,12 +10,11 @@ import pytest
 
 from live.base.errors import PersonError
 from live.cli.steps.partner import partner
-from live.cli.steps.partner_path import read_path
-from live.library.pairs_file import read_pairs
-from live.motion.clip import Clip
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.writer import write_bvh
-from live.motion.resample import resample
+from live.cli.steps.partner_request import read_path
+from live.library.partner_pairs import read_pairs
+from live.motion.clip import Clip, resample
+from live.motion.formats.bvh_reader import parse_bvh
+from live.motion.formats.bvh_writer import write_bvh
 from tests.cli.command import run_live
 from tests.motion.partner.test_answer import dancing
 

@@ -12,18 +12,17 @@ import pytest
 from typer.testing import CliRunner
 
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.cli.main import app
+from live.cli.steps.add import Listening, add_to_library, find_step, named_steps, user_library
 from live.cli.steps.play import MOST, Preview, on_the_spot, play_step, preview_show
-from live.cli.steps.steps_add import Listening, add_to_library
-from live.cli.steps.steps_library import find_step, named_steps, user_library
 from live.clock.time_source import ManualClock
 from live.graph.step_library import build_library
 from live.library.step_folder import load_folder
 from live.motion.mirror import mirror_step
-from live.motion.step_figures import measured_distance, travel
+from live.motion.step_clip import measured_distance, travel
 from live.show.engine import Engine
-from live.show.load import LoadedShow
+from live.show.loader import LoadedShow
 from live.show.status import Status
 from tests.cli.command import run_live
 from tests.made_steps import made_clip

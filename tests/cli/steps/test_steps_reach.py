@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from live.cli.main import app
 from live.cli.pictures.reach_picture import SIZE, TOP, PngCanvas, SvgCanvas, draw_reach, outline
-from live.cli.steps.steps_reach import reach_of_step
-from live.graph.select.reach import DIRECTIONS
+from live.cli.steps.inspect import reach_of_step
+from live.graph.select.reachability import DIRECTION_NAMES
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -35,13 +35,13 @@ def test_svg_has_a_dot_for_each_clip_and_its_way_to_scale(tmp_path):
     assert (TOP + SIZE / 2 - ahead) / metre == pytest.approx(1.1, abs=0.01)  # "long = 1.1" in walk.toml, ahead is up
     texts = [text.text for text in root.iter(f"{SVG}text")]
     assert any("walk" in text for text in texts)
-    assert not set(texts) & set(DIRECTIONS)
+    assert not set(texts) & set(DIRECTION_NAMES)
 
 
 def test_her_left_is_on_the_left_and_missing_directions_are_named():
     """The grapevine goes to both sides; with its clips to the right taken away the left is drawn on the left."""
     reach = reach_of_step("grapevine", None)
-    assert set(reach.missing) == set(DIRECTIONS) - {"to her left", "to her right"}
+    assert set(reach.missing) == set(DIRECTION_NAMES) - {"to her left", "to her right"}
     canvas = SvgCanvas()
     draw_reach(reach, canvas)
     root = ElementTree.fromstring(canvas.data())

@@ -9,9 +9,9 @@ import pytest
 
 from live.library.motion_file import read_motion
 from live.library.step_folder import load_folder
-from live.library.textured import textured_beside
-from live.motion.formats.writer import write_bvh
-from live.motion.resample import resample
+from live.library.textured_steps import textured_beside
+from live.motion.clip import resample
+from live.motion.formats.bvh_writer import write_bvh
 from live.motion.retarget.retarget import retarget
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.cli.venue.calibrate_claps import FIRST, PERIOD, flash
+from live.cli.venue.clap_calibration import FIRST, PERIOD, flash
 from live.clock.time_source import ManualClock
 from live.control.audio.latency_claps import clap_offset, find_claps
-from live.show.venue.venue import Venue, read_venue, venue_path
-from live.show.venue.venue_file import changed_venue, with_values
+from live.show.venue.venue import Venue, changed_venue, read_venue, venue_path, with_values
 from tests.control.audio.test_calibration_claps import hall
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.bar_pointer.model import METRES
+from live.clock.bar_pointer.state_space import METRES
 from tests.clock.bar_pointer.made import RATE, Heard, errors, follow, groove, numbers_right
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.bar_pointer.evidence import likelihoods
-from live.clock.bar_pointer.hand import FREE_RANGE
-from live.clock.bar_pointer.model import METRES, REACH, SLOTS, WINDOW, Model, slot_metre
+from live.clock.bar_pointer.observation_model import likelihoods
+from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, WINDOW, Model, slot_metre
+from live.clock.bar_pointer.transition_model import FREE_RANGE
 
 State = tuple[int, int, int, int]  # interval, position, metre, beat
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.bar_pointer.model import SLOTS
-from live.clock.bar_pointer.passed_beats import EBBING, FEWEST, PassedBeats
+from live.clock.bar_pointer.beat_regression import EBBING, FEWEST, PassedBeats
+from live.clock.bar_pointer.state_space import SLOTS
 
 SLOTS_SAID = np.full(SLOTS, 1.0 / SLOTS)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.bar_pointer.whereabouts import Whereabouts
+from live.clock.bar_pointer.observation_model import Whereabouts
 
 BEAT = 40
 

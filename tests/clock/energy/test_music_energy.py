@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.energy.frames import EnergyFrames
+from live.clock.energy.energy_frames import EnergyFrames
 from live.clock.energy.k_weighting import k_weight
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from tests.clock.energy.club import BEAT, Sound, club

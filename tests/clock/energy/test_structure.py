@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.energy.frames import Heard
+from live.clock.energy.energy_frames import Heard
 from live.clock.energy.music_structure import Structure
 
 SOUND = -20.0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from live.clock.follower.seed import Seed
+from live.clock.follower.manual_control import Seed
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from tests.clock.follower.hall import Hall, Music, Player

@@ -9,12 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.clock.follower.beat_kalman_filter import BeatFilter
-from live.clock.follower.level import Level
-from live.clock.follower.pointer_ear import PointerEar
-from live.clock.follower.run import LEAP_BEATS, Run
-from live.clock.follower.said import Said
-from live.clock.grid import Grid
-from live.clock.timeline import Timeline
+from live.clock.follower.clock_source import Level, Said
+from live.clock.follower.phase_correction import LEAP_BEATS, Run
+from live.clock.follower.tracker_inputs import PointerEar
+from live.clock.timeline import Grid, Timeline
 
 grids = st.builds(Grid, st.floats(-100.0, 1e4), st.floats(0.2, 2.0), st.integers(-1000, 100_000))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.bands import BAND_COUNT, BANDS
+from live.clock.tracking.features import BAND_COUNT, BANDS
 
 Arrays = dict[str, npt.NDArray[np.float64]]
 

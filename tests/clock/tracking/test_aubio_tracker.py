@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.estimate import BeatEstimate, Samples
+from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.tracking.aubio_tracker import SILENT_AFTER, AubioTracker
 from tests.clock.clicks import clicks, groove
 

@@ -5,11 +5,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.tracking.bands import HOP
-from live.clock.tracking.hearing import DELAY, Activation, Hearing
-from live.clock.tracking.network import Network, Weights
+from live.clock.tracking.beat_network import DELAY, Activation, Hearing, Network, Weights
+from live.clock.tracking.features import HOP, Samples
 from live.clock.tracking.onset_strength import Onsets
-from live.clock.tracking.spectrum import Samples
 from tests.clock.clicks import clicks, groove
 from tests.clock.tracking.made_weights import made_weights
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.tracking.bands import BAND_COUNT
-from live.clock.tracking.network import Network, Weights
+from live.clock.tracking.beat_network import Network, Weights
+from live.clock.tracking.features import BAND_COUNT
 from tests.clock.tracking.made_weights import made_weights, reference
 
 

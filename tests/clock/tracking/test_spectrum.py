@@ -5,9 +5,18 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.tracking.bands import BAND_COUNT, BANDS, EARS, HOP, centres, filters, window_length
 from live.clock.tracking.feature_kernels import LEVEL_FLOOR, follow_level
-from live.clock.tracking.spectrum import Samples, Spectrum
+from live.clock.tracking.features import (
+    BAND_COUNT,
+    BANDS,
+    EARS,
+    HOP,
+    Samples,
+    Spectrum,
+    centres,
+    filters,
+    window_length,
+)
 from tests.clock.clicks import groove
 
 RATE = 44_100

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.clock.estimate import BeatEstimate, Samples
-from live.clock.quiet import SILENT_AFTER
+from live.clock.beat_estimate import BeatEstimate, Samples
+from live.clock.silence import SILENT_AFTER
 from live.clock.tracking.beat_tracker import Tracker
 from live.clock.tracking.onset_strength import Onsets
 from tests.clock.clicks import clicks

@@ -10,8 +10,8 @@ import time
 import aiohttp
 
 from live.control.audience.gateway import Gateway
-from live.control.audience.rules import Beat, Rules
-from live.control.audience.tokens import ticket_key
+from live.control.audience.phone_registry import ticket_key
+from live.control.audience.session_state import Beat, Rules
 from live.control.helper_process import LARGEST
 from live.control.message_codec import packet_of, read_packet
 

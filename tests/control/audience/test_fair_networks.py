@@ -9,9 +9,9 @@ import pytest
 
 from live.control.audience.admission import CROWDED, HORIZON, JOIN_BURST, JOIN_RATE, Admission
 from live.control.audience.join_tickets import Tickets
-from live.control.audience.phones import Phone, Phones
+from live.control.audience.phone_registry import Phone, Phones
 from live.control.audience.rate_limit import Why
-from live.control.audience.rules import Rules
+from live.control.audience.session_state import Rules
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 SECRET = b"s" * 32

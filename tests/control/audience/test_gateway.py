@@ -7,9 +7,9 @@ import struct
 import aiohttp
 import pytest
 
+from live.control.audience.phone_registry import ticket_key
 from live.control.audience.rate_limit import Why
-from live.control.audience.rules import Beat, Rules
-from live.control.audience.tokens import ticket_key
+from live.control.audience.session_state import Beat, Rules
 from tests.control.audience.made_gateway import SECRET, FakePhone, key_of, made_gateway, until
 
 RULES = Rules(regions=("left", "right"), weights=(1.0, 1.0))

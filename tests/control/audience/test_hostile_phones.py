@@ -17,11 +17,11 @@ import aiohttp
 from aiohttp.http_exceptions import HttpProcessingError
 
 from live.control.audience import phone_protocol as wire
-from live.control.audience.pages import language_of
-from live.control.audience.phones import Phone
+from live.control.audience.http_server import language_of
+from live.control.audience.phone_registry import Phone
 from live.control.audience.rate_limit import Why
 from live.control.audience.websocket_reader import Reading
-from live.control.web.http_guard import is_ours
+from live.control.web.web_server import is_ours
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 MASK = b"\x11\x22\x33\x44"

@@ -6,9 +6,9 @@ import contextlib
 import aiohttp
 import pytest
 
-from live.control.audience.door import HELLO_WITHIN
-from live.control.audience.hall import RESTS, SILENT
+from live.control.audience.http_server import HELLO_WITHIN
 from live.control.audience.rate_limit import Why
+from live.control.audience.session_state import RESTS, SILENT
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 

@@ -5,8 +5,8 @@ import random
 
 import pytest
 
-from live.control.audience.hall import Hall
-from live.control.audience.phones import Phone
+from live.control.audience.phone_registry import Phone
+from live.control.audience.session_state import Hall
 from live.control.audience.websocket_reader import Reading
 from tests.control.audience.test_hostile_phones import frame
 

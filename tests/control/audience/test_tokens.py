@@ -6,8 +6,7 @@ import random
 import pytest
 
 from live.control.audience.join_tickets import LATE_BURST, LOADS, VOUCHER_HOLDS, Tickets
-from live.control.audience.rate_limit import Bucket, Line
-from live.control.audience.tokens import (
+from live.control.audience.phone_registry import (
     Device,
     Voucher,
     device_of,
@@ -18,6 +17,7 @@ from live.control.audience.tokens import (
     voucher_of,
     voucher_text,
 )
+from live.control.audience.rate_limit import Bucket, Line
 
 SECRET, OTHER = b"a" * 32, b"b" * 32
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control.audience.lights import STAYS, Lights
+from live.control.audience.aggregator import STAYS, Lights
 from live.control.audience.participant_state import BANDWIDTH, FADES, FRESH, Voices
 from live.control.audience.phone_protocol import ATTRACT, REPEL
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from live.clock.time_source import ManualClock
-from live.control.audio import listening, sound_devices
-from live.control.audio.sound_devices import SoundDevice
+from live.control.audio import device_stream, devices
+from live.control.audio.devices import SoundDevice
 
 Fill = Callable[[int, int], npt.NDArray[np.float32]]
 """(first frame, frames) -> sound, shape (frames, channels)."""
@@ -83,8 +83,8 @@ class FakeSound:
 def fake_sound_system(monkeypatch: pytest.MonkeyPatch) -> FakeSound:
     """A FakeSound in place of PortAudio, for audio inputs."""
     fake = FakeSound()
-    monkeypatch.setattr(sound_devices, "_list", lambda kind: fake.devices)
-    monkeypatch.setattr("live.control.audio.audio_device.refresh", lambda: True)
-    monkeypatch.setattr(listening, "open_stream", fake.open)
-    monkeypatch.setattr(listening, "close_stream", fake.close)
+    monkeypatch.setattr(devices, "_list", lambda kind: fake.devices)
+    monkeypatch.setattr("live.control.audio.audio_input.refresh", lambda: True)
+    monkeypatch.setattr(device_stream, "open_stream", fake.open)
+    monkeypatch.setattr(device_stream, "close_stream", fake.close)
     return fake

@@ -5,10 +5,9 @@ from collections import deque
 import numpy as np
 import pytest
 
-from live.clock.follower.seed import Seed
+from live.clock.follower.manual_control import Seed
 from live.clock.tracking.beat_tracker import Tracker
-from live.control.audio.audio_analysis import AudioAnalysis
-from live.control.audio.trackers import TrackerName
+from live.control.audio.analysis import AudioAnalysis, TrackerName
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from tests.clock.clicks import clicks
 

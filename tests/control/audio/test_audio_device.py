@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.time_source import SystemClock
-from live.control.audio.audio_device import AudioInput
+from live.control.audio.audio_input import AudioInput
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from live.show.sound.clock_commands import tell
 from tests.clock.clicks import groove

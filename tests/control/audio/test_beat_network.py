@@ -6,25 +6,23 @@ import numpy as np
 import pytest
 
 from live.clock.tracking.aubio_tracker import AubioTracker
-from live.clock.tracking.hearing import Hearing
-from live.clock.tracking.network import Network
-from live.control.audio import beat_network
-from live.control.audio.beat_network import beat_weights
-from live.control.audio.trackers import make_tracker
+from live.clock.tracking.beat_network import Hearing, Network
+from live.control.audio import analysis
+from live.control.audio.analysis import beat_weights, make_tracker
 from tests.clock.clicks import groove
 
 RATE = 44_100
 
 
 def test_the_weights_are_small() -> None:
-    assert len(files("live.clock.hearing").joinpath("weights.npz").read_bytes()) <= 1_000_000
+    assert len(files("live.clock.tracking").joinpath("weights.npz").read_bytes()) <= 1_000_000
 
 
 @pytest.mark.parametrize("cut", [0, 3, 1000, -30, "middle"])
 def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
     monkeypatch: pytest.MonkeyPatch, cut: int | str
 ) -> None:
-    data = bytearray(files("live.clock.hearing").joinpath("weights.npz").read_bytes())
+    data = bytearray(files("live.clock.tracking").joinpath("weights.npz").read_bytes())
     if isinstance(cut, int):
         del data[cut:]
     else:
@@ -37,7 +35,7 @@ def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
         def read_bytes(self) -> bytes:
             return bytes(data)
 
-    monkeypatch.setattr(beat_network, "files", lambda _: Damaged())
+    monkeypatch.setattr(analysis, "files", lambda _: Damaged())
     beat_weights.cache_clear()
     try:
         tracker, note = make_tracker("network", RATE)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.base.errors import PersonError
-from live.control.audio.calibration import Recording, measure, sweep_train
+from live.control.audio.latency_sweep import Recording, measure, sweep_train
 
 TRAIN = sweep_train(48_000.0, 8)
 BLOCK = 512

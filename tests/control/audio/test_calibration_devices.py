@@ -8,11 +8,10 @@ import pytest
 
 from live.base.errors import PersonError
 from live.clock.time_source import ManualClock, SystemClock
-from live.control.audio import calibration_devices
-from live.control.audio.calibration import RoundTrip, measure, sweep_train
-from live.control.audio.calibration_devices import Microphone, play_and_record
+from live.control.audio import latency_sweep
 from live.control.audio.channel_mixer import Channels
-from live.control.audio.sound_devices import SoundDevice, find_device
+from live.control.audio.devices import SoundDevice, find_device
+from live.control.audio.latency_sweep import Microphone, RoundTrip, measure, play_and_record, sweep_train
 from tests.control.conftest import PulseSink
 
 BLOCK = 480
@@ -28,8 +27,8 @@ class Loop:
         self.callbacks: dict[str, Any] = {}
         self._wire = np.zeros((delay, 2), np.float32)
         self.latency = 0.02
-        monkeypatch.setattr(calibration_devices, "open_stream", self.open)
-        monkeypatch.setattr(calibration_devices, "close_stream", lambda stream: None)
+        monkeypatch.setattr(latency_sweep, "open_stream", self.open)
+        monkeypatch.setattr(latency_sweep, "close_stream", lambda stream: None)
 
     def open(self, kind: str, **options: Any) -> "Loop":
         self.callbacks[kind] = options["callback"]
@@ -68,7 +67,7 @@ def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch
     def refuse(kind: str, **options: Any) -> None:
         raise RuntimeError("Device unavailable")
 
-    monkeypatch.setattr(calibration_devices, "open_stream", refuse)
+    monkeypatch.setattr(latency_sweep, "open_stream", refuse)
     with pytest.raises(PersonError, match="input 'loop' refuses: Device unavailable"):
         Microphone(DEVICE, Channels(), 1.0, ManualClock())
     with pytest.raises(PersonError, match="no channel 7 among 2"):

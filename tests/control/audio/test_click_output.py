@@ -10,11 +10,11 @@ from live.base.errors import PersonError
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.audio import click_output
-from live.control.audio.calibration_devices import Microphone
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.click_output import ClickOutput
-from live.control.audio.sound_devices import SoundDevice, UnknownDevice, find_device
-from live.show.sound.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices
+from live.control.audio.devices import SoundDevice, UnknownDevice, find_device
+from live.control.audio.latency_sweep import Microphone
+from live.show.sound.soundtrack import ACCENT_HZ, BEAT_HZ, click_voices
 from tests.control.conftest import PulseSink
 from tests.control.waiting import wait_for
 

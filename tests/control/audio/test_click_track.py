@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.clock.timeline import Timeline
-from live.control.audio.click_track import LATE, ClickTrack
+from live.control.audio.click_output import LATE, ClickTrack
 
 RATE = 48_000
 ACCENT = np.full(960, 1.0, np.float32)

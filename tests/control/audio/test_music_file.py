@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.clock.follower.seed import Seed
+from live.clock.follower.manual_control import Seed
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio import music_file
-from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.analysis import AudioAnalysis
 from live.control.audio.music_file import Music, MusicFileError, OfflineMusic, read_music
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 from tests.clock.clicks import clicks

@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import SystemClock
 from live.control.audio import music_player
-from live.control.audio.audio_analysis import AudioAnalysis
-from live.control.audio.audio_device import AudioInput
+from live.control.audio.analysis import AudioAnalysis
+from live.control.audio.audio_input import AudioInput
+from live.control.audio.devices import SoundUnavailable, UnknownDevice
 from live.control.audio.music_file import Music, OfflineMusic
 from live.control.audio.music_player import MusicPlayer
-from live.control.audio.sound_devices import SoundUnavailable, UnknownDevice
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 from tests.clock.clicks import clicks, groove
 from tests.control.conftest import PulseSink
@@ -122,7 +122,7 @@ def test_an_output_that_was_named_must_be_there(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
-    from live.control.audio.sound_devices import SoundDevice
+    from live.control.audio.devices import SoundDevice
 
     def refuse(*_: object, **__: object) -> None:
         raise RuntimeError("device is busy")

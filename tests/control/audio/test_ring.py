@@ -4,7 +4,7 @@ import tracemalloc
 
 import numpy as np
 
-from live.control.audio.ring import STAMPS, Ring
+from live.control.audio.device_stream import STAMPS, Ring
 
 
 def test_what_is_written_is_read_once_and_in_order() -> None:

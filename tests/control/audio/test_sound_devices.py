@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from live.control.audio import sound_devices
-from live.control.audio.sound_devices import SoundDevice, SoundUnavailable, UnknownDevice, find_again, find_device
+from live.control.audio import devices
+from live.control.audio.devices import SoundDevice, SoundUnavailable, UnknownDevice, find_again, find_device
 
 DEVICES = [
     SoundDevice(0, "HDA Intel: ALC295 (hw:0,0)", "ALSA", 2, 44_100.0, False),
@@ -18,7 +18,7 @@ DEVICES = [
 
 @pytest.fixture
 def three(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sound_devices, "_list", lambda kind: DEVICES)
+    monkeypatch.setattr(devices, "_list", lambda kind: DEVICES)
 
 
 @pytest.mark.usefixtures("three")
@@ -34,10 +34,10 @@ def test_a_device_that_was_away_is_never_mistaken_for_one_whose_name_contains_it
 ) -> None:
     own = SoundDevice(3, "USB Pulse", "ALSA", 2, 48_000.0, True)
     there = [DEVICES[2], SoundDevice(1, "usb pulse", "JACK", 2, 48_000.0, False)]
-    monkeypatch.setattr(sound_devices, "_list", lambda kind: there[:1])
+    monkeypatch.setattr(devices, "_list", lambda kind: there[:1])
     with pytest.raises(UnknownDevice, match="USB Pulse is not there"):
         find_again(own)
-    monkeypatch.setattr(sound_devices, "_list", lambda kind: there)
+    monkeypatch.setattr(devices, "_list", lambda kind: there)
     assert find_again(own).index == 1
     there.append(SoundDevice(5, "USB Pulse", "ALSA", 2, 48_000.0, False))
     assert find_again(own).index == 5  # in its own sound system
@@ -52,7 +52,7 @@ def test_an_unknown_device_is_answered_with_a_list(text: str | int) -> None:
 
 
 def test_no_device_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sound_devices, "_list", lambda kind: [])
+    monkeypatch.setattr(devices, "_list", lambda kind: [])
     with pytest.raises(UnknownDevice, match="no sound output at all"):
         find_device(None, "output")
 
@@ -68,4 +68,4 @@ def test_without_portaudio_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.delitem(sys.modules, "sounddevice", raising=False)
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(SoundUnavailable, match="libportaudio2"):
-        sound_devices.list_input_devices()
+        devices.list_input_devices()

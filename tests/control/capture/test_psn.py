@@ -10,12 +10,11 @@ import sys
 
 import pytest
 
-from live.app.services.psn_part import parse_psn
+from live.app.services.capture_services import parse_psn
 from live.base.errors import PersonError
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.clock.time_source import ManualClock
-from live.control.capture.psn_decode import MAX_PACKET_BYTES, read_psn
-from live.control.capture.psn_input import PsnFrames, PsnInput
+from live.control.capture.posistagenet import MAX_PACKET_BYTES, PsnFrames, PsnInput, read_psn
 from live.control.registry.rejections import Reason, Tally
 from tests.control.capture.psn_server import DATA, chunk, data_packet, header, info_packet, tracker
 from tests.control.waiting import wait_for
@@ -151,9 +150,9 @@ def test_places_come_into_the_inbox_by_name_when_they_are_news():
 
 MULTICAST = """
 import socket
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.clock.time_source import SystemClock
-from live.control.capture.psn_input import GROUP, PsnInput
+from live.control.capture.posistagenet import GROUP, PsnInput
 from tests.control.capture.psn_server import data_packet, tracker
 from tests.control.waiting import wait_for
 lane = Lane()

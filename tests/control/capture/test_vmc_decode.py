@@ -9,8 +9,7 @@ import pytest
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.control.capture.vmc_decode import BONES, MAX_PACKET_BYTES, NOTHING, read_packet
-from live.control.capture.vmc_encode import vmc_packets
+from live.control.capture.vmc_protocol import BONES, MAX_PACKET_BYTES, NOTHING, read_packet, vmc_packets
 from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT, SKELETON

@@ -9,8 +9,8 @@ from pythonosc.osc_bundle import OscBundle
 from live.app.services.vmc_output_service import parse_avatars
 from live.base.errors import PersonError
 from live.clock.time_source import SystemClock
-from live.control.capture.mocap_seats import Seat
-from live.control.capture.vmc_out import Avatars, VmcOut, dancers_as_told
+from live.control.capture.vmc_input import Seat
+from live.control.capture.vmc_output import Avatars, VmcOut, dancers_as_told
 from live.control.helper_process import Helper
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
@@ -72,7 +72,9 @@ def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
 
 def test_what_the_process_sends_comes_in_as_it_was(ears):
     hips, rotation, position, world = company()
-    helper = Helper("live.control.capture.vmc_out", SystemClock(), {"targets": [ears[0].getsockname()]}, lambda: None)
+    helper = Helper(
+        "live.control.capture.vmc_output", SystemClock(), {"targets": [ears[0].getsockname()]}, lambda: None
+    )
     try:
         helper.start()
         assert helper.send((0, 1.0, dancers_as_told(np.array([1]), position, world)))

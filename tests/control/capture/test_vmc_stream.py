@@ -5,14 +5,11 @@ import socket
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 from live.clock.time_source import ManualClock
-from live.control.capture.mocap_seats import ALONE, GONE_AFTER, Seat, Seats
 from live.control.capture.udp_input import FLOOD
-from live.control.capture.vmc_encode import vmc_packets
-from live.control.capture.vmc_input import VmcInput
-from live.control.capture.vmc_stream import VmcStream
+from live.control.capture.vmc_input import ALONE, GONE_AFTER, Seat, Seats, VmcInput, VmcStream
+from live.control.capture.vmc_protocol import vmc_packets
 from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics

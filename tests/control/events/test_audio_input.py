@@ -9,11 +9,11 @@ import numpy.typing as npt
 import pytest
 
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
-from live.control.audio.audio_analysis import AudioAnalysis
-from live.control.audio.audio_device import AudioInput
+from live.base.event_queue import Inbox
+from live.control.audio.analysis import AudioAnalysis
+from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
-from live.control.audio.sound_devices import SoundDevice
+from live.control.audio.devices import SoundDevice
 from live.control.events.events import BeatHeard, ChooseAudio, ControlEvent, RestartAudio, SourceChanged
 from tests.clock.clicks import clicks
 from tests.control.audio.fake_sound import FakeSound, fake_sound_system
@@ -296,7 +296,7 @@ def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
         desk.input._rounds.mine = threading.Event()
         return True
 
-    monkeypatch.setattr("live.control.audio.audio_device.refresh", hang)
+    monkeypatch.setattr("live.control.audio.audio_input.refresh", hang)
     sound.wait(2.5, desk.turn)
     assert len(sound.streams) == 1
 

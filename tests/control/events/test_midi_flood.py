@@ -2,7 +2,7 @@
 
 import random
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
@@ -11,7 +11,7 @@ from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_learn import MidiLearn
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_tokens import MidiTokens
+from live.control.midi.midi_streams import MidiTokens
 from live.control.registry.control import RANKS
 
 RIM, DARK = "/dance/light/rim", "/dance/blackout"

@@ -6,10 +6,10 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.control.events.event_json import is_finite
 from live.control.events.events import ControlEvent
-from live.control.osc.osc_encode import encode
+from live.control.osc.osc_codec import encode
 from live.control.osc.osc_handler import OscDoor
 from live.control.registry.registry import REGISTRY
 

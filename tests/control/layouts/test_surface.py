@@ -11,9 +11,8 @@ from live.control.layouts.stage_control import session_of
 from live.control.layouts.surface import MOST_ON_A_PAGE, make_surface
 from live.control.layouts.touchosc import write_touchosc
 from live.control.registry.control import RANKS
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import READABLE, REGISTRY
 from live.control.registry.rejections import Rejection
-from live.control.registry.values import READABLE
 
 NAMES = {"/dance/step": ["kick", "turn, then hold"], "/dance/formation": ["circle"], "/dance/scene": ["night {1}"]}
 

@@ -9,7 +9,7 @@ import threading
 import time
 from typing import Any
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.time_source import SystemClock
 from live.control.events.events import BeatHeard, ControlEvent, SetTempo, SourceChanged

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from live.control.link.link_clock import LinkClock
+from live.control.link.link_session import LinkClock
 
 
 def run(line: LinkClock, rng: np.random.Generator, offsets: np.ndarray, step: float, wide: float) -> list[float]:

@@ -5,8 +5,7 @@ import itertools
 import pytest
 
 from live.clock.timeline import Timeline
-from live.control.link.link_lead import BEND, LinkLead
-from live.control.link.link_reading import LinkReading, apart
+from live.control.link.link_sync import BEND, LinkLead, LinkReading, apart
 
 
 def run(

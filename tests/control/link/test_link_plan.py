@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.control.link.link_reading import apart
+from live.control.link.link_sync import apart
 from tests.control.link.conftest import Network, Process
 from tests.control.waiting import BUSY
 

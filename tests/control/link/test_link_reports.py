@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
-from live.control.link.link_reading import LinkReading, apart, fold_of
-from live.control.link.link_reports import LinkReports
+from live.control.link.link_sync import LinkReading, LinkReports, apart, fold_of
 
 
 @dataclass

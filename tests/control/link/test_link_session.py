@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.events.events import BeatHeard, ControlEvent

@@ -3,7 +3,7 @@
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_feedback import AT_ONCE, EVERY, OWN, MidiFeedback
 from live.control.midi.midi_mapping import MidiMap
-from live.control.registry.values import Values
+from live.control.registry.registry import Values
 
 RIM, DARK, TEMPO = "/dance/light/rim", "/dance/blackout", "/dance/clock/tempo"
 

@@ -8,7 +8,7 @@ from live.control.events.events import ControlEvent
 from live.control.midi.channel_messages import FINEST, MidiHands
 from live.control.midi.midi_binding import BadBinding, Binding, joined
 from live.control.midi.midi_mapping import MidiMap
-from live.control.registry.values import Values
+from live.control.registry.registry import Values
 
 TEMPO = "/dance/clock/tempo"
 

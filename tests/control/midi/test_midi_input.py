@@ -5,11 +5,11 @@ from typing import cast
 
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
-from live.control.midi import midi_input, midi_port_thread
+from live.control.midi import midi_input, midi_ports
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
 from live.control.midi.midi_ports import OpenPort, UnknownPort, match_port
@@ -50,7 +50,7 @@ def test_messages_become_events() -> None:
 
 
 def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(midi_port_thread, "RETRY", 0.0)
+    monkeypatch.setattr(midi_ports, "RETRY", 0.0)
     inbox: Inbox[ControlEvent] = Inbox()
     ports: list[FakePort] = []
     plugged = True
@@ -85,7 +85,7 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
 
 def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its old name is there when it is next tried: a quick look in between has seen that it was gone."""
-    monkeypatch.setattr(midi_port_thread, "RETRY", 1000.0)
+    monkeypatch.setattr(midi_ports, "RETRY", 1000.0)
     monkeypatch.setattr(midi_input, "LOOK", 0.0)
     ports: list[FakePort] = []
 

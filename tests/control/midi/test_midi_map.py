@@ -4,7 +4,7 @@ import pytest
 
 from live.control.events import events
 from live.control.midi.midi_mapping import DEFAULTS, BadBinding, Binding, MidiMap
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 
 PATCH = 'name = "p"\n[[group]]\nname = "ember"\ndancers = 2\nsteps = ["walk"]\n'

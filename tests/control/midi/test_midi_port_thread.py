@@ -5,7 +5,7 @@ from typing import cast
 
 import pytest
 
-from live.control.midi.midi_port_thread import PortThread
+from live.control.midi.midi_ports import PortThread
 from live.control.midi.midi_streams import Port, Receive
 
 

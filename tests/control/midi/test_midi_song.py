@@ -8,12 +8,12 @@ import mido
 import numpy as np
 import pytest
 
-from live.app.services.midi_file_part import MidiFilePart
+from live.app.services.midi_service import MidiFilePart
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetMotion
-from live.control.midi.midi_song import read_song
+from live.control.midi.midi_file import read_song
 from live.show.engine import Engine
 from live.show.status import Status
 from tests.control.midi.midi_files import made_song

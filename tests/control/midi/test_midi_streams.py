@@ -10,12 +10,12 @@ import mido
 import pytest
 from mido.sockets import PortServer, connect
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, One, Tap
+from live.control.midi.midi_feedback import MidiOutput
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_output import MidiOutput
 from live.control.midi.midi_ports import open_port
 from live.control.midi.midi_streams import MOST_SENDERS, StreamPort, address_of
 from tests.control.waiting import wait_for
@@ -98,7 +98,7 @@ def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) 
 
 
 def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("live.control.midi.midi_port_thread.RETRY", 0.05)
+    monkeypatch.setattr("live.control.midi.midi_ports.RETRY", 0.05)
     server = PortServer("127.0.0.1", 0)
     where = server._socket.getsockname()
     tells = MidiOutput(f"tcp:127.0.0.1:{where[1]}", SystemClock())

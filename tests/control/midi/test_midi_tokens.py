@@ -5,7 +5,7 @@ import random
 import mido
 import pytest
 
-from live.control.midi.midi_tokens import SYSEX_MOST, MidiTokens
+from live.control.midi.midi_streams import SYSEX_MOST, MidiTokens
 
 
 def tokens(data: bytes, pieces: int = 1) -> list[bytes]:

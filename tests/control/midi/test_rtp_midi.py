@@ -7,8 +7,7 @@ import struct
 import pytest
 
 from live.control.midi.midi_ports import open_port
-from live.control.midi.rtp_midi import MOST_SESSIONS, SILENT_FOR, BadPacket, RtpMidi, commands
-from live.control.midi.rtp_port import RtpPort
+from live.control.midi.rtp_midi import MOST_SESSIONS, SILENT_FOR, BadPacket, RtpMidi, RtpPort, commands
 from tests.control.waiting import wait_for
 
 MAC = ("192.168.1.7", 50_000)

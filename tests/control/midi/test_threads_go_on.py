@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 import live
+from live.base.event_queue import Inbox
 from live.base.fault_isolation import FAULTS
-from live.base.inbox import Inbox
 from live.clock.time_source import SystemClock
-from live.control.audio.rounds import Rounds
+from live.control.audio.devices import Rounds
 from live.control.capture.udp_input import CaptureInput
 from live.control.midi.midi_streams import StreamPort
-from live.control.midi.rtp_port import RtpPort
-from live.control.osc.osc_encode import encode
+from live.control.midi.rtp_midi import RtpPort
+from live.control.osc.osc_codec import encode
 from live.control.osc.osc_server import OscInput
 from live.control.web.task_guard import guarded, keep_task
-from live.show.journal.clerk import Clerk
+from live.show.journal.journal_writer import Clerk
 from tests.control.waiting import wait_for
 
 ROOT = Path(live.__file__).parent

@@ -6,7 +6,7 @@ import time
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from live.control.osc.osc_server import OscInput
 

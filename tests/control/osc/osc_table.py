@@ -3,7 +3,7 @@
 An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
 """
 
-from live.base.picture import OF_GROUPS
+from live.base.picture_parameters import OF_GROUPS
 from live.control.events import events
 from tests.control.osc.osc_stage import STAMP
 

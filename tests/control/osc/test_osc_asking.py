@@ -7,15 +7,13 @@ import pytest
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_packet import OscPacket
 
-from live.base.inbox import Inbox
-from live.base.lane import Lane
+from live.base.event_queue import Inbox, Lane
 from live.control.events import events
 from live.control.osc.osc_handler import KEPT, MOST_ANSWERS, MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND, OscDoor
 from live.control.osc.osc_scheduler import HORIZON, MOST, Later
 from live.control.osc.osc_subscriptions import EVERY, OWN, Subscribers
 from live.control.osc.osc_subscriptions import MOST as MOST_SUBSCRIBERS
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import READABLE, Values
+from live.control.registry.registry import READABLE, REGISTRY, Values
 from tests.control.osc.osc_stage import STAMP, message, wait_until
 
 ME, YOU, FAR = ("127.0.0.1", 5000), ("192.168.1.7", 6000), ("8.8.8.8", 7000)

@@ -9,7 +9,7 @@ from pythonosc import osc_bundle_builder, osc_message, osc_packet
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.control.osc.osc_decode import (
+from live.control.osc.osc_codec import (
     IMMEDIATELY,
     MAX_ARGUMENTS,
     MAX_BLOB_BYTES,

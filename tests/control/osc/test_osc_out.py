@@ -12,7 +12,7 @@ from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.helper_process import Helper
 from live.control.message_codec import packet_of
-from live.control.osc.osc_encode import MOST_BYTES, bundles, encode
+from live.control.osc.osc_codec import MOST_BYTES, bundles, encode
 from live.control.osc.osc_output import OUT, SENT, OscOut, Targets
 from tests.control.waiting import wait_for
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from live.base.lane import Lane
+from live.base.event_queue import Lane
 from live.clock.time_source import ManualClock
 from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
 from tests.control.osc.osc_stage import TAP, Stage

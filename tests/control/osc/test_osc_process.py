@@ -3,7 +3,7 @@
 import socket
 import threading
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.base.processing_budget import BURST, FLOODED_PER_SECOND, PER_SECOND
 from live.clock.time_source import SystemClock
 from live.control.events import events

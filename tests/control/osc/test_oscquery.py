@@ -12,13 +12,11 @@ import pytest
 from pythonosc.osc_packet import OscPacket
 
 from live.clock.time_source import SystemClock
-from live.control.osc.osc_encode import encode
+from live.control.osc.osc_codec import encode
 from live.control.osc.oscquery_server import MOST_OF_ONE
 from live.control.osc.oscquery_tree import ATTRIBUTES, Namespace, host_info, told_of
-from live.control.registry.readings import READINGS
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
-from live.control.registry.values import Values
 from tests.control.waiting import wait_for
 
 LIGHT, LARGER, MIRRORED = "/dance/light/key", "/dance/motion/larger", "/dance/mocap/mirrored"
@@ -81,7 +79,7 @@ def test_one_attribute_and_who_answers():
 def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
     aiohttp = pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
-    from live.app.services.oscquery_part import OscQueryPart
+    from live.app.services.http_services import OscQueryPart
 
     show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     show.bind(("127.0.0.1", 0))
@@ -187,7 +185,7 @@ exec "$0" -c "$1"
 BROWSE = """
 import pathlib, socket, struct, threading
 from zeroconf import ServiceBrowser, Zeroconf
-from live.app.services.oscquery_part import OscQueryPart
+from live.app.services.http_services import OscQueryPart
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 

@@ -7,10 +7,9 @@ from live.control.layouts.surface import make_surface
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_mapping import present
 from live.control.osc.oscquery_tree import Namespace
-from live.control.registry.registry import REGISTRY
-from live.control.registry.values import READABLE, Values
+from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.show.desk.completions import names_of
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from tests.control.osc.test_osc_asking import ME, YOU, Asked
 from tests.show.made_show import PATCH
 

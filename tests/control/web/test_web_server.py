@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pythonosc.osc_message import OscMessage
 
-from live.app.services.http_part import HttpPart
+from live.app.services.http_services import HttpPart
 from live.clock.time_source import SystemClock
 from live.control.web.web_server import PAGE
 from tests.control.waiting import wait_for

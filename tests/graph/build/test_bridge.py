@@ -6,9 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.build.bridge import BASE_RATE, Recorded, _metric, _nearest, _windows, find_bridges
-from live.graph.build.bridge_clip import bridge_clip
-from live.graph.build.transition import all_pairs
+from live.graph.build.bridges import BASE_RATE, Recorded, _metric, _nearest, _windows, bridge_clip, find_bridges
+from live.graph.build.transitions import all_pairs
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
@@ -91,7 +90,7 @@ def test_distances_are_those_of_whole_windows(graph):
 
 
 def position_of_windows(library, nodes, window):
-    from live.graph.build.transition import clouds
+    from live.graph.build.transitions import clouds
     from live.graph.step_library import window_samples
 
     length = (library.node_last[nodes] - library.node_first[nodes]) * window

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.build.interval import retimed
-from live.graph.build.joins import JoinRule
+from live.graph.build.transitions import JoinRule, retimed
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion

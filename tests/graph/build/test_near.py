@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.build import nearest_pairs as near
-from live.graph.build.flat import FlatClouds
+from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
 from live.graph.build.nearest_pairs import near_pairs
-from live.graph.build.transition import all_pairs
-from live.graph.build.weights import WINDOW_SAMPLES, Metric, joint_weights, window_weights
+from live.graph.build.transitions import all_pairs
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from live.graph.build.transition import WINDOW_SAMPLES, all_pairs, joint_weights, transition_windows, window_weights
+from live.graph.build.transitions import WINDOW_SAMPLES, all_pairs, joint_weights, transition_windows, window_weights
 from live.graph.step_library import build_library
 from live.motion.skeleton import JOINT_COUNT
 from tests.made_steps import made_steps

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.search.gaps import find_gaps
+from live.graph.search.sequence_diagnostics import find_gaps
 from live.graph.search.viterbi import CostToGo, Edges, cheapest
 from tests.graph.made_graphs import MadeGraph, made_edges, made_graph, made_specification
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from live.graph.motion_graph import build_graph
-from live.graph.search.missing import find_missing
-from live.graph.search.sequence import NoPath, find_sequence
+from live.graph.search.path_diagnostics import find_missing
+from live.graph.search.sequence import NoPath, find_sequence, parse_sequence
 from live.graph.search.sequence_spec import specify
-from live.graph.search.wanted import parse_sequence
 from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
 from tests.made_steps import made_clip

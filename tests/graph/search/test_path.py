@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.errors import PersonError
-from live.graph.search.path import (
+from live.graph.search.path_following import (
     Targets,
     along_headings,
     follow_line,

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.render_dance import assemble, edge_between
-from live.graph.search.path import Targets, follow_line, smoothed
-from live.graph.search.path_search import WRONG, follow_path
-from live.graph.search.wrong_steps import ANY, cost_to_go
+from live.graph.search.path_following import WRONG, Targets, follow_line, follow_path, smoothed
+from live.graph.search.sequence_diagnostics import ANY, cost_to_go
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
@@ -211,7 +210,7 @@ def test_corrections_close_what_the_clips_leave_open(graph, candidates):
 
 def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeypatch):
     """Of some 900 rows for each of the hypotheses only 1500 in all: the path is still followed."""
-    monkeypatch.setattr("live.graph.search.path_search.MOST_ROWS", 1500)
+    monkeypatch.setattr("live.graph.search.path_following.MOST_ROWS", 1500)
     targets = smoothed(follow_line(SQUARE, 32))
     walk = np.full(32, graph.library.steps.index("walk"))
     followed = follow_path(graph, targets, seconds=2.0, wanted=walk, candidates=candidates, beam=24)

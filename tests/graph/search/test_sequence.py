@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.search.live_sequence import LiveSequence, plan_from
-from live.graph.search.sequence import NoPath, best_start, find_sequence
+from live.graph.search.sequence import NoPath, best_start, find_sequence, parse_sequence
 from live.graph.search.sequence_spec import Wanted, specify
-from live.graph.search.wanted import parse_sequence
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip, made_steps
 

@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.render_dance import assemble
-from live.graph.select.candidates import OPPOSITE, find_candidates, measure_ways, opposite
-from live.graph.select.placing import begun
+from live.graph.select.candidates import OPPOSITE, begun, find_candidates, measure_ways, opposite
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.editing.interpolate import interpolate
-from live.motion.editing.rotation_insertion import insert_rotation
-from live.motion.step_figures import travel
+from live.motion.editing.turn_insertion import insert_rotation
+from live.motion.step_clip import travel
 from tests.made_steps import made_clip
 from tests.steps_of_the_project import project_steps
 

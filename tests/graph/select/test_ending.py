@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.graph.select.placing import next_axes, own_end, turn_vectors
+from live.graph.select.candidates import next_axes, own_end, turn_vectors
 from tests.motion.pose.test_asking import COUNT, GRAPH, danced
 
 

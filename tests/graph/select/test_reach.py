@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from live.graph.motion_graph import build_graph
-from live.graph.search.path import follow_line
-from live.graph.search.path_search import follow_path
-from live.graph.search.path_words import path_lacks
+from live.graph.search.path_diagnostics import path_lacks
+from live.graph.search.path_following import follow_line, follow_path
 from live.graph.select.candidates import find_candidates
-from live.graph.select.reach import DIRECTIONS, direction_of, reach_of
+from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_of
 from live.graph.step_library import build_library
 from tests.made_steps import made_clip
 
@@ -24,8 +23,8 @@ def made(ways, step="glide"):
 def test_directions_as_the_dancer_sees_them(n):
     """Facing +z she has her left at +x."""
     angle = n * math.pi / 4
-    assert direction_of(np.array([math.sin(angle), math.cos(angle)])) == DIRECTIONS[n]
-    assert DIRECTIONS[2] == "to her left"
+    assert direction_of(np.array([math.sin(angle), math.cos(angle)])) == DIRECTION_NAMES[n]
+    assert DIRECTION_NAMES[2] == "to her left"
 
 
 def test_the_reach_of_made_glides():
@@ -38,7 +37,7 @@ def test_the_reach_of_made_glides():
     # half forward, half to the left is 36.9 degrees off: forward left; three quarters forward is (0.15, 0.6)
     assert reach.straight[1] == pytest.approx(np.hypot(0.3, 0.4), abs=1e-4)
     assert reach.most == pytest.approx(0.8, abs=1e-5)
-    assert set(reach.missing) == set(DIRECTIONS[3:])
+    assert set(reach.missing) == set(DIRECTION_NAMES[3:])
     assert reach.turned.shape == (3 + 18, 33, 2)
     middle = reach.turned[:, 16]
     np.testing.assert_allclose(middle, np.concatenate([reach.clips, reach.mixed])[_order(reach, middle)], atol=1e-6)

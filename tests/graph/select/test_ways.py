@@ -8,8 +8,7 @@ from scipy.spatial import ConvexHull
 
 from live.graph.motion_graph import build_graph
 from live.graph.select.candidates import find_candidates, widening
-from live.graph.select.reach import reach_of, ways_of
-from live.graph.select.ways import DIRECTIONS, TURNS, Ways
+from live.graph.select.reachability import TABLED_DIRECTIONS, TURNS, Ways, reach_of, ways_of
 from live.graph.step_library import build_library
 from tests.steps_of_the_project import project_steps
 
@@ -43,8 +42,8 @@ def test_a_step_reaches_as_far_as_the_hull_of_its_ends(graph, ways):
     heading = graph.node_facing_start[candidates.node[rows]] - candidates.facing[rows]
     assert np.abs(heading).max() < 0.02  # they turn by nothing, so that no turn is inserted
     planes = ConvexHull(np.vstack([ends, np.zeros((1, 2))])).equations
-    for direction in range(DIRECTIONS):
-        angle = direction * 2.0 * math.pi / DIRECTIONS
+    for direction in range(TABLED_DIRECTIONS):
+        angle = direction * 2.0 * math.pi / TABLED_DIRECTIONS
         towards = planes[:, :2] @ [math.sin(angle), math.cos(angle)]
         far = (-planes[:, 2] / np.where(towards > 1e-9, towards, np.nan))[towards > 1e-9].min()
         assert straight(graph, ways, "walk")[direction] == pytest.approx(far, abs=0.02)
@@ -62,7 +61,7 @@ def test_what_is_asked_is_cut_to_the_reach_and_never_turned_aside(graph, ways, h
     cut = ways.limit(walk, np.full(3, heading), np.zeros(3), way, np.full(3, 0.1))
     assert cut[1] == pytest.approx(way[1])  # near enough
     assert np.hypot(*cut[0]) == pytest.approx(straight(graph, ways, "walk")[0] + 0.1)
-    assert np.hypot(*cut[2]) == pytest.approx(straight(graph, ways, "walk")[DIRECTIONS // 4] + 0.1)
+    assert np.hypot(*cut[2]) == pytest.approx(straight(graph, ways, "walk")[TABLED_DIRECTIONS // 4] + 0.1)
     across = cut[:, 0] * way[:, 1] - cut[:, 1] * way[:, 0]
     assert np.abs(across).max() < 1e-12
 

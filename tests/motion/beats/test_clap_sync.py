@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.beats.clap_sync import sync_to_claps, sync_to_click, sync_to_song
-from live.motion.beats.claps import Clap
+from live.motion.beats.clap_sync import Clap, sync_to_claps, sync_to_click, sync_to_song
 from live.motion.beats.music_reference import MusicReference, set_by_hand
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.motion.beats.claps import find_claps
+from live.motion.beats.clap_sync import find_claps
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.made_source import NAMES, clapping, source

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from live.library.sketch_folder import load_steps
+from live.library.step_folder import load_steps
 from live.motion import quaternion
 from live.motion.beats.dance_rhythm import rhythm_of
-from live.motion.beats.tempo_guess import CERTAIN, guess_tempo
+from live.motion.beats.tempo_estimation import CERTAIN, guess_tempo
 from live.motion.clip import Clip
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.beats.two_beats import CLEAR, two_beat_lines
+from live.motion.beats.tempo_estimation import CLEAR, two_beat_lines
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 

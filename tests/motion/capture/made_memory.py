@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.capture.remembered_kernels import ASKED, CAUGHT, KEY, SHARE, TURNED, WANTED
+from live.motion.capture.capture_kernels import ASKED, CAUGHT, KEY, SHARE, TURNED, WANTED
 from live.motion.skeleton import JOINT_COUNT
 
 

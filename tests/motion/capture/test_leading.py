@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.capture.leading_kernels import find_places, put_agents, take_dance_along
+from live.motion.capture.capture_blend_kernels import find_places, put_agents, take_dance_along
 from tests.motion.capture.made_memory import asked, memory
 
 

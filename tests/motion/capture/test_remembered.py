@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.capture.remembered_kernels import BEAT, TIME, where_captured
+from live.motion.capture.capture_kernels import BEAT, TIME, where_captured
 from tests.motion.capture.made_memory import asked, memory
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.capture.wearing_kernels import wear
+from live.motion.capture.capture_blend_kernels import wear
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 from tests.motion.capture.made_memory import asked, memory

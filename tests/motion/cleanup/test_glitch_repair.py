@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import Repair, repair
-from live.motion.cleanup.glitches import find_glitches
 from live.motion.cleanup.trim_start import find_beginning
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.forward_kinematics import forward_kinematics

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from live.motion.cleanup.glitches import Glitch, find_glitches
+from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.trim_start import find_beginning
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks

@@ -5,7 +5,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from live.motion import quaternion
-from live.motion.editing.amplitude import (
+from live.motion.editing.foot_correction import find_feet
+from live.motion.editing.variation import (
+    LOWER,
+    UPPER,
     draw_factors,
     draw_sequence_factors,
     factor_at,
@@ -13,9 +16,7 @@ from live.motion.editing.amplitude import (
     scale_sequence,
     scale_step,
 )
-from live.motion.editing.combine import LOWER, UPPER
-from live.motion.editing.feet import find_feet
-from live.motion.rotation_mean import mean_rotation, scale_from
+from live.motion.quaternion import mean_rotation, scale_from
 from tests.motion.editing.made_steps import random_clip, random_step, sketched
 
 FACTORS = st.floats(0.5, 1.5)

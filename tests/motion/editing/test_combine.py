@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.motion.editing.combine import LOWER, UPPER, combine
-from live.motion.editing.feet import find_feet
+from live.motion.editing.foot_correction import find_feet
+from live.motion.editing.variation import LOWER, UPPER, combine
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import random_step, sketched
 

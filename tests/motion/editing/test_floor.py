@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.motion.clip import Clip
-from live.motion.editing.feet import find_feet
-from live.motion.editing.floor import correct_floor, cover
+from live.motion.editing.foot_correction import correct_floor, cover, find_feet
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import sketched

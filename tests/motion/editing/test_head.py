@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.head import LIMIT, face_head, fill_gaps, head_turn, wrap
-from live.motion.editing.orientation import heading_of, turn_clip
+from live.motion.editing.facing import LIMIT, face_head, fill_gaps, head_turn, heading_of, turn_clip, wrap
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import random_clip, sketched

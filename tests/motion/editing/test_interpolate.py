@@ -9,10 +9,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from live.motion.editing.interpolate import follow_arc, interpolate
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
-from live.motion.same_step import samples_in
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip
-from live.motion.step_figures import foot_slide, travel
+from live.motion.step_clip import StepClip, foot_slide, samples_in, travel
 from tests.motion.editing.made_steps import random_step, sketched
 
 WEIGHTS = st.floats(0.0, 1.0)

@@ -2,8 +2,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.editing.orientation import heading_of
-from live.motion.editing.rotation_insertion import insert_rotation
+from live.motion.editing.facing import heading_of
+from live.motion.editing.turn_insertion import insert_rotation
 from live.motion.mirror import mirror_clip, mirror_step
 from tests.motion.editing.made_steps import random_clip, sketched
 

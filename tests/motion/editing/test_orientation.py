@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.motion import quaternion
-from live.motion.editing.orientation import (
+from live.motion.editing.facing import (
     average_orientation,
     circular_mean,
     face_public,

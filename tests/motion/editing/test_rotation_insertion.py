@@ -6,14 +6,14 @@ from hypothesis import strategies as st
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.feet import find_feet
-from live.motion.editing.rotation_insertion import (
+from live.motion.editing.foot_correction import find_feet
+from live.motion.editing.turn_insertion import (
     BLEND_WINDOW,
+    find_supports,
     insert_rotation,
     support_turns,
     turn_about,
 )
-from live.motion.editing.support import find_supports
 from live.motion.step_clip import StepClip
 from tests.motion.editing.made_steps import random_clip, sketched
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.editing.sequence_warp import SequenceWarp, draw_sequence_warp, warp_sequence
+from live.motion.editing.time_warp import SequenceWarp, draw_sequence_warp, warp_sequence
 from tests.motion.editing.made_steps import sketched
 
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from live.motion.editing.feet import Feet, find_feet
-from live.motion.editing.support import find_supports, height_difference
+from live.motion.editing.foot_correction import Feet, find_feet
+from live.motion.editing.turn_insertion import find_supports, height_difference
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 from tests.motion.editing.made_steps import sketched

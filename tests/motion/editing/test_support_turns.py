@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.editing.rotation_insertion import support_turns
-from live.motion.editing.support_turns import MAX_SEGMENTS, SupportTurns, soft_progress, stack_turns
+from live.motion.editing.turn_insertion import MAX_SEGMENTS, SupportTurns, soft_progress, stack_turns, support_turns
 from tests.motion.editing.made_steps import sketched
 
 

@@ -3,7 +3,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.editing.rotation_insertion import BLEND_WINDOW
 from live.motion.editing.time_warp import (
     A_MAX,
     F_MAX,
@@ -15,6 +14,7 @@ from live.motion.editing.time_warp import (
     warp_clip,
     warp_step,
 )
+from live.motion.editing.turn_insertion import BLEND_WINDOW
 from tests.motion.editing.made_steps import random_clip, random_step, sketched
 
 PHASES = np.linspace(0.0, 1.0, 1001)

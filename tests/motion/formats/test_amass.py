@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from live.motion.formats.amass import NAMES, STATURE, parse_amass
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.joint_mapping import map_joints
 from live.motion.retarget.retarget import retarget

@@ -7,8 +7,7 @@ import pytest
 
 from live.motion import quaternion
 from live.motion.formats.acclaim_motion import parse_amc
-from live.motion.formats.acclaim_skeleton import AcclaimSkeleton
-from live.motion.formats.asf import parse_asf
+from live.motion.formats.acclaim_skeleton import AcclaimSkeleton, parse_asf
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import body_height, find_unit, leg_length, standing_pose
 from live.motion.formats.source_motion import SourceMotion

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.reader import parse_gltf
+from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.retarget.retarget import retarget
 from tests.motion.formats.made_gltf import MadeGltf, made_avatar, pack_glb, random_turns
 from tests.motion.formats.test_bvh_fuzz import attempt

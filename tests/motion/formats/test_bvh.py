@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from live.motion.formats.bvh_header import JOINT_LIMIT
+from live.motion.formats.bvh_reader import parse_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
 
 SMALL = """HIERARCHY
 ROOT A

@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from live.motion.formats.bvh_reader import local_pose, parse_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.pose import local_pose
 from live.motion.formats.source_axes import find_unit, leg_length, standing_pose
-from live.motion.formats.source_pose import world_pose
+from live.motion.formats.source_motion import world_pose
 from live.motion.retarget.joint_mapping import find_body
 from tests.motion.mocap import mocap_bvh, mocap_index, mocap_motion, mocap_text
 

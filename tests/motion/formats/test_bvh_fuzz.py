@@ -8,9 +8,8 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
 from live.motion.retarget.retarget import retarget
 from tests.motion.formats.made_bvh import body_bvh, danced
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.formats.pose import local_pose
-from live.motion.formats.source_pose import world_pose
+from live.motion.formats.bvh_reader import local_pose
+from live.motion.formats.source_motion import world_pose
 from tests.motion.mocap import mocap_bvh, mocap_file, mocap_index
 
 pybvh = pytest.importorskip("pybvh")

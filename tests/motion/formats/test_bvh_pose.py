@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.formats.parse import BvhMotion, parse_bvh
-from live.motion.formats.pose import local_pose
-from live.motion.formats.source import source_of_bvh
-from live.motion.formats.source_pose import end_positions, rest_pose, world_pose
+from live.motion.formats.bvh_reader import BvhMotion, local_pose, parse_bvh, source_of_bvh
+from live.motion.formats.source_motion import end_positions, rest_pose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import Skeleton
 from tests.motion.mocap import mocap_bvh

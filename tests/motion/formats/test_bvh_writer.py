@@ -10,16 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from live.motion.bone_tips import BONE_TIPS
 from live.motion.clip import Clip
-from live.motion.formats.angles import smooth_angles, zxy_angles
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
-from live.motion.formats.source_pose import LocalPose, world_pose
-from live.motion.formats.writer import write_bvh
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_writer import smooth_angles, write_bvh, zxy_angles
+from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
-from live.motion.skeleton import BODY_HEIGHT, JOINT_COUNT, SKELETON
+from live.motion.skeleton import BODY_HEIGHT, BONE_TIPS, JOINT_COUNT, SKELETON
 from tests.motion.mocap import mocap_motion
 from tests.motion.test_resample import made_clip
 

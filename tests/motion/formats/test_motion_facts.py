@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from live.library.motion_file import read_motion
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.motion_facts import MotionFacts, SourceTracks, find_facts
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.file_report import MotionFacts, SourceTracks, find_facts
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still

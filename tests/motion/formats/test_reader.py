@@ -5,12 +5,10 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.reader import parse_gltf
-from live.motion.formats.source import source_of_bvh
-from live.motion.formats.source_motion import SourceMotion
-from live.motion.formats.source_pose import LocalPose, world_pose
+from live.motion.formats.gltf_reader import parse_gltf
+from live.motion.formats.source_motion import LocalPose, SourceMotion, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.joint_mapping import map_joints
 from live.motion.retarget.retarget import retarget

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from live.motion.formats.acclaim_motion import parse_amc
-from live.motion.formats.asf import parse_asf
+from live.motion.formats.acclaim_skeleton import parse_asf
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.retarget import retarget
 from tests.motion.formats.test_asf_amc import AMC, ASF

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.source_axes import (
     ENGINE_LEG,
     body_height,

@@ -5,12 +5,11 @@ import pytest
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.partner.answer import answer
-from live.motion.partner.cloud import ends_cloud
+from live.motion.partner.answer import answer, enforce_holds, hold_error, palms
 from live.motion.partner.decoder import Reading
-from live.motion.partner.enforce import enforce_holds, hold_error, palms
+from live.motion.partner.evaluation import joints_of
 from live.motion.partner.partner_synthesis import Search, find_partner
-from live.motion.partner.truth import joints_of
+from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner.units import Example, Hold, Units, cut_units
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.motion.partner.made_examples import standing

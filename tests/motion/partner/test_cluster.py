@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.partner.cluster import SAMPLES, thin_out, unit_distances
-from live.motion.partner.fit import fit, stretched
-from live.motion.partner.units import Example, Units, cut_units
+from live.motion.partner.point_clouds import fit, stretched
+from live.motion.partner.units import SAMPLES, Example, Units, cut_units, thin_out, unit_distances
 from tests.motion.partner.made_examples import made_cloud, made_units, standing
 
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import decode
-from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
 from live.motion.partner.time_scaled_units import Stretches, legal_durations, make_stretches
 from live.motion.partner.units import Units
 from tests.motion.partner.made_examples import made_cloud, made_units

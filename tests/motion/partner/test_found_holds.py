@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from live.motion.clip import Clip
-from live.motion.partner.enforce import palms
-from live.motion.partner.found_holds import LETS_GO, Near, found_holds
+from live.motion.partner.answer import palms
+from live.motion.partner.evaluation import LETS_GO, Near, found_holds
 from tests.motion.partner.made_examples import standing
 
 RATE = 60.0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from live.motion.partner.cloud import HIP_APART, path_cloud
-from live.motion.partner.frenet import frenet_cloud
+from live.motion.partner.path_leader import frenet_cloud
+from live.motion.partner.point_clouds import HIP_APART, path_cloud
 from tests.motion.partner.made_examples import standing
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from live.motion.clip import Clip
-from live.motion.partner.cloud import shadows
-from live.motion.partner.leash import leashed
+from live.motion.partner.path_leader import leashed
+from live.motion.partner.point_clouds import shadows
 from live.motion.skeleton import JOINT_COUNT
 
 

@@ -4,9 +4,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.motion.partner.cloud import Cloud
 from live.motion.partner.decoder import Reading, decode
-from live.motion.partner.fit import fit, gap, stretched
+from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.motion.partner.units import Hold
-from live.motion.partner_live.held import AHEAD, NOBODY, hands_of
+from live.motion.partner_live.hand_holds import AHEAD, NOBODY, hands_of
 
 HOLDS = (Hold(0, 1, 120.0, 150.0), Hold(1, 0, 170.0, 400.0), Hold(1, 1, 240.0, 300.0))
 

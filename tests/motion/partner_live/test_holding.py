@@ -5,8 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from live.motion.partner_live.held import NOBODY, Held
-from live.motion.partner_live.holding import Holding
+from live.motion.partner_live.hand_holds import NOBODY, Held, Holding
 from live.motion.pose.hand_hold import LEFT, RIGHT
 from tests.motion.pose.test_arms import facing
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from live.motion.partner.cloud import ends_cloud
 from live.motion.partner.decoder import Reading
-from live.motion.partner.truth import joints_of
+from live.motion.partner.evaluation import joints_of
+from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner_live.live_partner import agreement, agreement_of
 from live.motion.partner_live.online_decoder import LiveReader
-from live.motion.partner_live.player import LivePartner
+from live.motion.partner_live.online_player import LivePartner
 from tests.motion.partner.test_answer import pair_of
 
 RATE = 30.0

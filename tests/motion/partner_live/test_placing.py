@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from live.motion.partner.cloud import Cloud, ends_cloud
-from live.motion.partner.fit import fit, stretched
+from live.motion.partner.point_clouds import Cloud, ends_cloud, fit, stretched
 from live.motion.partner_live.online_decoder import FEWEST, SPREAD, LiveReader, roots
-from live.motion.partner_live.placing import FASTEST, QUICKEST, Placing
+from live.motion.partner_live.online_player import FASTEST, QUICKEST, Placing
 from tests.motion.partner.test_answer import pair_of
 
 RATE = 30.0

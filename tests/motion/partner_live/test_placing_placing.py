@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.pose.legs_kernels import (
+from live.motion.pose.foot_lock_kernels import (
     FOLLOWED_COLUMNS,
     HELD,
     LIFT,
@@ -14,8 +14,11 @@ from live.motion.pose.legs_kernels import (
     SPEED_Y,
     SPEED_Z,
     STOOD,
+    farthest_shift,
+    hold_where_wanted,
+    swing_feet,
+    take_slid,
 )
-from live.motion.pose.placing_kernels import farthest_shift, hold_where_wanted, swing_feet, take_slid
 
 COUNT = 30
 

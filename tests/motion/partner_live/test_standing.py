@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.motion.partner_live.standing import Standing
+from live.motion.partner_live.stage_partner import Standing
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 FEET = [SKELETON.index("leftFoot"), SKELETON.index("rightFoot")]

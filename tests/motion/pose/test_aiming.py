@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.rise import rise_of
-from live.motion.pose.shifting_kernels import (
+from live.motion.pose.root_warp import rise_of
+from live.motion.pose.root_warp_kernels import (
     DIRECTIONS,
     bound_aims,
     bound_ways,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.arms_kernels import FADE, LENGTH_BUFFER, PALM, join_hands
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY, RIGHT, Hands
+from live.motion.pose.hand_hold_kernels import FADE, LENGTH_BUFFER, PALM, join_hands
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from live.graph.select.placing import take_placement, transition_weight, turn_vectors
+from live.graph.select.candidates import take_placement, transition_weight, turn_vectors
 from live.motion.editing.time_warp import draw_measure_warps, measure_warp
+from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, ROUND
 from live.motion.pose.gather_kernels import (
     CLEARED,
     INTO_NEXT,
@@ -21,7 +22,6 @@ from live.motion.pose.gather_kernels import (
     standing_feet,
     warp_phases,
 )
-from live.motion.pose.legs_kernels import CLEAR, FEET_COLUMNS, ROUND
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.show.dancers.measure_state import Danced
 from tests.show.made_show import GRAPH

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from live.library.sketch_folder import load_steps
+from live.library.step_folder import load_steps
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock, lock_feet
-from live.motion.pose.legs_kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import FARTHEST, HELD, PELVIS_DROP, SHIFT_X, SHIFT_Z
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from live.motion import quaternion
 from live.motion.pose.inertialization import Inertia
 from live.motion.pose.inertialization_kernels import LONGEST, SHORTEST, age_cuts
+from live.motion.pose.pipeline_kernels import PRESENT
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
-from live.motion.pose.posing_kernels import PRESENT
 from live.motion.skeleton import JOINT_COUNT
 
 RATE = 64.0

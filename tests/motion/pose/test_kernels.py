@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.arms_kernels import LENGTH_BUFFER
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, RIGHT
-from live.motion.pose.reaching_kernels import SOFT, reach_palms, see_palms
+from live.motion.pose.hand_hold_kernels import LENGTH_BUFFER, SOFT, reach_palms, see_palms
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.motion.pose.test_arms import facing, palms

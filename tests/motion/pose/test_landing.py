@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from live.motion.pose.foot_lock import ARRIVED, HIGHEST, STAYS, Landing
+from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, ROUND
 from live.motion.pose.inertialization_kernels import LONGEST
-from live.motion.pose.landing import ARRIVED, HIGHEST, STAYS, Landing
-from live.motion.pose.legs_kernels import CLEAR, FEET_COLUMNS, ROUND
 
 
 def lifts(landing, age):

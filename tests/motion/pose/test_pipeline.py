@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.pipeline_kernels import INTO_NEXT, LOWER, NEXT, PRESENT, PRESENT_TAKE, UPPER, public_turn
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton, mean_pose
-from live.motion.pose.posing_kernels import INTO_NEXT, LOWER, NEXT, PRESENT, PRESENT_TAKE, UPPER, public_turn
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 SAMPLES = 24

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
-from live.motion.pose.legs_kernels import CLEAR, FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, ROUND, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, ROUND, SHIFT_Z
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 

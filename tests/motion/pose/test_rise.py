@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.give import BUFFER, LEG, SINK, STANDING, give_of, holds_of
-from live.motion.pose.rise import MOST_HELD, rise_of, stances
-from live.motion.pose.shifting_kernels import DIRECTIONS, KNOTS, RATE, SHARE, given_towards, risen
+from live.motion.pose.root_warp import BUFFER, LEG, MOST_HELD, SINK, STANDING, give_of, holds_of, rise_of, stances
+from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, RATE, SHARE, given_towards, risen
 
 LAST = 0.8125
 COUNT = 4 * (KNOTS - 1) + 1

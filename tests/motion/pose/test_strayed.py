@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.pose.aiming_kernels import (
+from live.motion.pose.root_warp_kernels import (
     AHEAD,
     AIM,
     AIM_SPEED,
@@ -10,6 +10,7 @@ from live.motion.pose.aiming_kernels import (
     END,
     FORESEEN,
     GOAL,
+    KNOTS,
     PLAN,
     ROWS,
     WISH,
@@ -18,7 +19,6 @@ from live.motion.pose.aiming_kernels import (
     keep_ends,
     stray_wishes,
 )
-from live.motion.pose.shifting_kernels import KNOTS
 
 COUNT = 50
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.editing.support_turns import SupportTurns, soft_progress
-from live.motion.pose.shifting_kernels import KNOTS
-from live.motion.pose.turning_kernels import place_dancers, soft_share
+from live.motion.editing.turn_insertion import SupportTurns, soft_progress
+from live.motion.pose.root_warp_kernels import KNOTS
+from live.motion.pose.turn_kernels import place_dancers, soft_share
 
 NODES, DANCERS = 12, 40
 CHANCE = np.random.default_rng(9)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.quality.beats import alignment, mean_speed, motion_beats, offsets
+from live.motion.quality.metrics import alignment, mean_speed, motion_beats, offsets
 
 times = st.lists(st.floats(0.0, 30.0), min_size=0, max_size=20)
 

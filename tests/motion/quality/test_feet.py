@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.quality.feet import skates, skating_balls, slide_speeds, slides
+from live.motion.quality.metrics import skates, skating_balls, slide_speeds, slides
 from live.motion.skeleton import SKELETON
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from live.cli.bench import load_bench
-from live.motion.quality.step import StepFigures
+from live.motion.quality.metrics import StepFigures
 from live.motion.step_clip import StepClip
 from tests.motion.editing.made_steps import sketched
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.quality.smoothness import (
+from live.motion.quality.metrics import (
     accelerations,
     at_samples,
     half_width,

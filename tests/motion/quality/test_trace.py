@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.quality.beats import mean_speed
-from live.motion.quality.feet import skates
+from live.motion.quality.metrics import at_samples, mean_speed, skates
 from live.motion.quality.motion_recorder import MotionTrace
-from live.motion.quality.smoothness import at_samples
 
 
 @settings(max_examples=30)

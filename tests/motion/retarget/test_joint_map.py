@@ -2,8 +2,7 @@
 
 import pytest
 
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body, map_joints, split_name
 from live.motion.skeleton import SKELETON

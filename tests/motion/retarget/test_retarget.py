@@ -7,9 +7,8 @@ import pytest
 
 from live.motion import quaternion
 from live.motion.clip import Clip
+from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.parse import parse_bvh
-from live.motion.formats.source import source_of_bvh
 from live.motion.formats.source_axes import standing_pose
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.forward_kinematics import forward_kinematics

@@ -8,7 +8,7 @@ import pytest
 from live.motion import quaternion
 from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.retarget.rest_pose_alignment import SourcePoints
-from live.motion.retarget.trunk import PLACES, SPINE, neck_rotation, source_places, spine_rotations
+from live.motion.retarget.retarget import PLACES, SPINE, neck_rotation, source_places, spine_rotations
 from live.motion.skeleton import SKELETON
 
 X = np.array((1.0, 0.0, 0.0))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.texture.bands import RATE, lower_half, split_bands
+from live.motion.texture.frequency_bands import RATE, lower_half, split_bands
 
 CHANCE = np.random.default_rng(1)
 

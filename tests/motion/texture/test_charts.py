@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.euler import euler_to_quaternion
-from live.motion.texture.charts import ORDERS, VECTOR, choose_charts, euler_angles
+from live.motion.quaternion import euler_to_quaternion
+from live.motion.texture.frequency_bands import ORDERS, VECTOR, choose_charts, euler_angles
 
 CHANCE = np.random.default_rng(2)
 

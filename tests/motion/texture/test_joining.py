@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.texture.joining import blend, laid, quadratic, skewed, smoothed
+from live.motion.texture.fragments import blend, laid, quadratic, skewed, smoothed
 
 CHANCE = np.random.default_rng(3)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from live.motion.texture.fragment_search import match, resampled
 from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
-from live.motion.texture.matching import match, resampled
 
 CHANCE = np.random.default_rng(4)
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from live.motion.texture.paths import best_paths, weighed_paths
+from live.motion.texture.fragment_search import best_paths, weighed_paths
 
 FIGURE_7 = ((4, 1, 3), (5, 7, 2), (9, 4, 6), (2, 8, 5))
 

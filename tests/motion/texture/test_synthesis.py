@@ -8,15 +8,13 @@ import pytest
 from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.feet import slides
-from live.motion.texture.bands import RATE, split_bands
-from live.motion.texture.calibration import without_calibration
-from live.motion.texture.footing import freedom
+from live.motion.quality.metrics import slides
+from live.motion.texture.foot_constraints import freedom, without_calibration
+from live.motion.texture.frequency_bands import RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import material_of
 from live.motion.texture.texture_report import figures_of
 from live.motion.texture.texture_settings import LEGS, UPPER, Wish, column_of, parse_bands, parse_drive, parse_joints
 from live.motion.texture.texture_synthesis import Textured, prepare, textured
-from live.motion.texture.tracks import columns_of, sample_clip, tracks_of
 from tests.motion.editing.made_steps import sketched
 from tests.motion.texture.made_dance import dance, without_arms
 

@@ -18,7 +18,7 @@ from live.rehearse.chaos.journal_checks import measures_of
 from live.rehearse.chaos.process_tree import Tree, descriptors, few_descriptors, pressure, process
 from live.rehearse.chaos.small_disk import SmallDisk
 from live.rehearse.chaos.virtual_run import Row, virtual_chaos
-from live.rehearse.soak_report import Plan
+from live.rehearse.soak_test import Plan
 from live.show.patch.patch_search_path import find_patch
 from tests.control.waiting import wait_for
 from tests.show.made_show import made_show

@@ -3,8 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.render.body.simplify import mirror_partners, simplify
-from live.render.body.subdivide import subdivide
+from live.render.body.mesh_simplify import mirror_partners, simplify, subdivide
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]

@@ -4,13 +4,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.bodies import BODIES, USUAL
+from live.base.body_catalogue import BODIES, USUAL
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.adaptive_quality import SOFTWARE
 from live.render.body.body_mesh import DISTANT, FINE, LIGHT, build_body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
 from live.render.dancers.dancer_batch import POSE_UNIT, Crowd, layout, vertex_bytes
-from live.render.quality import SOFTWARE
 from live.render.render_kernels import pose_texels
 from live.render.shader import set_uniform, source
 from tests.render.poses import pose, stage_view

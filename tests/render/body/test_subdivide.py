@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.render.body.subdivide import subdivide
+from live.render.body.mesh_simplify import subdivide
 
 CUBE = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], np.float64

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from live.base.character import CharacterFile, Worn
+from live.base.body_catalogue import CharacterFile, Worn
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import COARSE, LIGHT, build_body
 from live.render.characters.character import TRIANGLES, load_character
-from live.render.characters.fit import fit
-from live.render.characters.joints import find_joints
 from live.render.characters.model_reader import parse_model
+from live.render.characters.skeleton_fit import find_joints, fit
 from tests.render.characters.figures import glb_of, mixamo, painted, rigify, unreal
 
 BODY = build_body(LIGHT)

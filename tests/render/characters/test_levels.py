@@ -7,11 +7,10 @@ import pytest
 from scipy import ndimage
 
 from live.base.stage_snapshot import Camera
+from live.render.adaptive_quality import CARD, SOFTWARE, choose, ladder_of
 from live.render.body.body_mesh import DISTANT, LIGHT
 from live.render.dancers.dancer_batch import Crowd
-from live.render.ladder import ladder_of
-from live.render.passes.surface_pass import SurfacePass
-from live.render.quality import CARD, SOFTWARE, choose
+from live.render.passes.dancer_pass import SurfacePass
 from live.render.uniforms import FrameBlock
 from tests.render.poses import LUNGE, REACH, stage_view
 from tests.render.test_renderer import scene

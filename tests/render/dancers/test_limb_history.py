@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
+from live.base.picture_parameters import STYLE_OF_GROUP, of_group, picture_of
 from live.motion.skeleton import SKELETON
+from live.render.adaptive_quality import SOFTWARE
 from live.render.dancers.dancer_batch import Crowd
-from live.render.dancers.limb_history import PER_BEAT, SAMPLES, LimbHistory
-from live.render.dancers.pose_history import PoseHistory
-from live.render.quality import SOFTWARE
+from live.render.dancers.motion_trails import PER_BEAT, SAMPLES, LimbHistory, PoseHistory
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import scene
 

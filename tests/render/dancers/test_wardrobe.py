@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.base.stage_snapshot import Look
-from live.render.dancers.wardrobe import CLOTH, SKIN, TIGHTS, dress
+from live.render.dancers.group_styles import CLOTH, SKIN, TIGHTS, dress
 
 COLOURS = np.array(Look().group_colours, np.float32)
 

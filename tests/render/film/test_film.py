@@ -13,8 +13,8 @@ import av
 import numpy as np
 import pytest
 
-from live.render.film.film_sound import FilmSound, Samples
 from live.render.film.film_writer import FilmError, FilmWriter, Picture
+from live.render.film.streams import FilmSound, Samples
 
 SIZE = (96, 64)
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from live.render.film.container_formats import KINDS
-from live.render.film.film_sound import FilmSound
 from live.render.film.film_writer import FilmError, FilmWriter
+from live.render.film.streams import FilmSound
 from tests.render.film.test_film import decode, opened, tone
 
 SIZE = (96, 64)

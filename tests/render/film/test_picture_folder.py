@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.render.film.film_sound import FilmSound
 from live.render.film.film_writer import FilmError
 from live.render.film.image_sequence import PictureFolder
+from live.render.film.streams import FilmSound
 
 SIZE = (37, 23)
 

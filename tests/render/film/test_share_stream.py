@@ -9,8 +9,8 @@ import av
 import numpy as np
 import pytest
 
-from live.render.film.film_sound import FilmSound
 from live.render.film.network_stream import SLOTS, SharedStream
+from live.render.film.streams import FilmSound
 from tests.render.film.test_film import tone
 
 SIZE = (96, 64)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.corner_pin import check_corners, homography, mapped
 from live.render.outputs.output import UNBENT
+from live.render.outputs.warp import check_corners, homography, mapped
 
 
 def quads(count: int, seed: int = 3):

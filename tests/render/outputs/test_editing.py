@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from live.render.outputs.editing import Editing
-from live.render.outputs.mesh import bent, check_mesh, regular
-from live.render.outputs.moved_points import KEPT
 from live.render.outputs.output import MESH_MOST, UNBENT, Output
+from live.render.outputs.warp import bent, check_mesh, regular
+from live.render.outputs.warp_editor import KEPT, Editing
 
 PINNED = Output(corners=((0.1, 0.1), (0.9, 0.0), (1.0, 1.0), (0.0, 0.9)))
 

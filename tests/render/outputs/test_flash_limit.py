@@ -5,8 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from live.render.outputs.flash_limit import RED_CHANGE, FlashLimit
-from live.render.outputs.flash_meter import CELLS, FlashGuard, FlashMeter
+from live.render.outputs.photosensitivity import CELLS, RED_CHANGE, FlashGuard, FlashLimit, FlashMeter
 
 COUNT = CELLS[0] * CELLS[1]
 

@@ -5,10 +5,10 @@ import pytest
 from PIL import Image
 
 from live.render.headless import OffscreenTarget
-from live.render.outputs.editing import Editing
-from live.render.outputs.handle_pass import HandlePass
-from live.render.outputs.mesh import regular
 from live.render.outputs.output import Output, SoftEdge
+from live.render.outputs.output_pass import HandlePass
+from live.render.outputs.warp import regular
+from live.render.outputs.warp_editor import Editing
 from tests.render.outputs.conftest import SIZE
 
 WIDTH, HEIGHT = SIZE

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageFilter
 
-from live.render.outputs.join_card import join_card
 from live.render.outputs.output import Output
+from live.render.outputs.test_card import join_card
 
 LINK = "http://192.168.1.50:8020/#NOUm8cCZf5qC"
 PICTURE, PHOTO = (1920, 1080), (1920, 1080)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.mesh import MOST_VERTICES, PIECES, bent, check_mesh, regular, unbent, vertices
 from live.render.outputs.output import MESH_MOST, UNBENT, Output
 from live.render.outputs.output_coordinates import picture_place, window_place
 from live.render.outputs.screen import Screen
+from live.render.outputs.warp import MOST_VERTICES, PIECES, bent, check_mesh, regular, unbent, vertices
 
 
 def moved(columns=5, rows=4, by=0.03, seed=2):

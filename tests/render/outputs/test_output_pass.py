@@ -5,10 +5,9 @@ import pytest
 from PIL import Image
 
 from live.base.errors import PersonError
-from live.render.outputs.corner_pin import homography, mapped
-from live.render.outputs.join_card import BAND, MODULE, QUIET, join_card
-from live.render.outputs.mesh import regular
 from live.render.outputs.output import UNBENT, Output, SoftEdge
+from live.render.outputs.test_card import BAND, MODULE, QUIET, join_card
+from live.render.outputs.warp import homography, mapped, regular
 from tests.render.outputs.conftest import SIZE
 from tests.render.outputs.test_corner_pin import quads
 

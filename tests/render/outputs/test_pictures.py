@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.base.character import CharacterFile
-from live.base.picture import BY_ADDRESS, of_group, picture_of
+from live.base.body_catalogue import CharacterFile
+from live.base.picture_parameters import BY_ADDRESS, of_group, picture_of
 from live.base.stage_snapshot import Camera
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.camera import pixel_of
 from live.render.characters.character import load_character
-from live.render.characters.extras import LEFT_OUT, layers_of
+from live.render.characters.materials import LEFT_OUT, layers_of
 from live.render.characters.model import Material
 from live.render.characters.model_reader import parse_model
-from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.characters.figures import Figure, document, glb, glb_of, mixamo, painted
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view

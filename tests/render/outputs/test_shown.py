@@ -3,8 +3,8 @@
 import moderngl
 import numpy as np
 
-from live.render.outputs.pictures import Pictures
-from live.render.outputs.shown import Shown
+from live.render.outputs.projection import Shown
+from live.render.outputs.screen import Pictures
 from tests.render.test_renderer import read
 
 

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.base.stage_snapshot import Background
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.camera import pixel_of
 from live.render.pass_context import Making
 from live.render.passes.background_pass import BackgroundPass, video_place
-from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.media import FRAMES, grey_of, write_image, write_video
 from tests.render.test_renderer import SIZE, crowd, read, scene

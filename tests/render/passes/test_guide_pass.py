@@ -7,7 +7,7 @@ import pytest
 from live.base.stage_snapshot import GUIDE_CAPACITY, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.camera import pixel_of
-from live.render.passes.guide_pass import GuidePass
+from live.render.passes.overlay_pass import GuidePass
 from live.render.uniforms import FrameBlock
 
 pytestmark = pytest.mark.gl

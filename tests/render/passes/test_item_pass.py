@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from live.base.set_geometry import Item
+from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.camera import pixel_of
-from live.render.quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, read, scene, standing
 

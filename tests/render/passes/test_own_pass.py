@@ -8,11 +8,10 @@ import pytest
 
 from live.base.custom_pass import own_numbers, read_own_pass
 from live.base.errors import PersonError
-from live.base.picture import OWN, picture_of
+from live.base.picture_parameters import OWN, picture_of
 from live.base.stage_snapshot import PASSES
-from live.render.own_program import problem_of
-from live.render.pass_trial import try_passes
-from live.render.quality import CARD, SOFTWARE
+from live.render.adaptive_quality import CARD, SOFTWARE
+from live.render.custom_pass import problem_of, try_passes
 from live.render.renderer import Renderer
 from tests.render.test_passes import SCENE, SIZE, many, three
 from tests.render.test_renderer import read

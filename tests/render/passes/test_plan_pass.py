@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.base.stage_snapshot import Camera, Scene
+from live.render.adaptive_quality import SOFTWARE
 from live.render.camera import pixel_of
-from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN
 from tests.render.test_renderer import read, scene, stage_view

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.base.picture import STYLE_OF_GROUP, of_group, picture_of
+from live.base.picture_parameters import STYLE_OF_GROUP, of_group, picture_of
 from live.base.stage_snapshot import Camera
+from live.render.adaptive_quality import SOFTWARE
 from live.render.camera import pixel_of
-from live.render.quality import SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, STEP, stage_view
 from tests.render.test_renderer import read, scene

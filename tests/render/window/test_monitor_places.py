@@ -2,8 +2,7 @@
 
 import pytest
 
-from live.render.window.monitor_places import find_place
-from live.render.window.monitors import Monitor, UnknownMonitor
+from live.render.window.monitors import Monitor, UnknownMonitor, find_place
 
 DESK = Monitor(1, "eDP-1", (0, 1080), (1920, 1080), 60.0)
 LEFT = Monitor(2, "HDMI-1", (-1280, 1080), (1280, 720), 60.0)

@@ -8,8 +8,7 @@ import glfw
 import numpy as np
 import pytest
 
-from live.render.headless import OffscreenTarget
-from live.render.readback import FrameReader
+from live.render.headless import FrameReader, OffscreenTarget
 from live.render.window.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
 from live.render.window.window import SETTLE_PERIOD, NoWindow, Window
 from live.render.window.window_input import (

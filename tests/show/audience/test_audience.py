@@ -12,8 +12,8 @@ from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_row
 from live.show.audience.audience import LED
 from live.show.audience.voting import Vote
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshots, restore
 from tests.show.made_show import GRAPH, PATCH, made_show
 

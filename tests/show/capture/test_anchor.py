@@ -7,19 +7,18 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.anchor import FAR, LAG, WALK, Anchor
+from live.show.capture.pose_buffer import FAR, LAG, WALK, Anchor
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
-from live.show.journal.replay import run_from
-from live.show.journal.replay_start import first_start
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.journal.replay import first_start, run_from
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshots, restore
 from live.show.status import Status
 from tests.show.capture.test_mocap import MEASURE

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.crowd.bounds_kernels import SOFT_LANDING
+from live.agents.crowd.contact_kernels import SOFT_LANDING
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.edges import BACK, Edges
+from live.show.capture.stage_presence import BACK, Edges
 from tests.show.capture.test_mocap import MEASURE, performer, run
 from tests.show.made_show import made_show
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
@@ -18,14 +18,13 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_clip
 from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.show.capture.captured import HOLD
+from live.show.capture.performer import HOLD
 from live.show.dancers.footfalls import Footfalls
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
-from live.show.journal.replay import run_from
-from live.show.journal.replay_start import first_start
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import PatchError, parse_patch
+from live.show.journal.replay import first_start, run_from
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.state.snapshot import Snapshots, restore
 from live.show.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show

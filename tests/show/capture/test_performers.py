@@ -5,7 +5,7 @@ import pytest
 
 from live.agents.crowd.obstacles import Surroundings
 from live.control.events.events import Performer
-from live.show.capture.performers import FASTEST, LOST_S, PERFORMER, Performers
+from live.show.capture.stage_presence import FASTEST, LOST_S, PERFORMER, Performers
 
 RADIUS = 0.3
 

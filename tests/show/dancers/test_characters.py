@@ -2,12 +2,12 @@
 
 import pytest
 
-from live.base.bodies import USUAL
+from live.base.body_catalogue import USUAL
 from live.base.errors import PersonError
 from live.show.dancers.character_casting import bodies_of, check_characters, drawable, files_of
-from live.show.patch.edit import fitted
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
+from live.show.patch.patch_update import fitted
 from live.show.view.render_scene import scene_of
 from tests.render.characters.figures import glb_of
 from tests.show.made_show import PATCH

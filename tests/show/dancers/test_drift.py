@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.show.dancers.drift import KNOT_HIGH, KNOT_LOW, Drift
 from live.show.dancers.rng import Purpose, chance_of
+from live.show.dancers.timing_offsets import KNOT_HIGH, KNOT_LOW, Drift
 
 COUNT = 20
 MOST = np.full(COUNT, 0.1)

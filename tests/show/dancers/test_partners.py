@@ -7,15 +7,15 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.library.sketch_folder import load_steps
-from live.motion.pose.arms_kernels import PALM
+from live.library.step_folder import load_steps
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY
+from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.quaternion import rotate
-from live.show.core import Show
 from live.show.dancers.partners import Partners
 from live.show.group.casting import Casting
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
+from live.show.show import Show
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"

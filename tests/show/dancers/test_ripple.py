@@ -6,7 +6,7 @@ import pytest
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.dancers.ripple import Ripple, parse_ripple
+from live.show.dancers.timing_offsets import Ripple, parse_ripple
 from live.show.dancers.variation import LATEST, MOST_LATER
 from tests.show.made_show import made_show
 

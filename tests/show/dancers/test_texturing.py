@@ -10,11 +10,10 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.texture.live_bank import TextureBank, compared, legs_of, prefixes
 from live.motion.texture.live_texture_kernels import DIMENSIONS, FEATURES, PER_BEAT, SLOTS, UPPER_COUNT, prefix_of
-from live.show.core import Show
-from live.show.dancers.texture_bank import bank_of
-from live.show.dancers.texturing import BLEND, PREFIX, TURNS
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.dancers.live_texture import BLEND, PREFIX, TURNS, bank_of
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
+from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 from tests.motion.texture.made_dance import BEAT, RATE, dance
 from tests.show.made_show import GRAPH, PATCH

@@ -13,10 +13,9 @@ from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import measure_warp
 from live.motion.skeleton import SKELETON
 from live.show.dancers.measure_state import Danced
-from live.show.dancers.variation import Variation
-from live.show.dancers.variety import Variety, variety_of
-from live.show.load import load_show, show_of
-from live.show.patch.patch_file import parse_patch
+from live.show.dancers.variation import Variation, Variety, variety_of
+from live.show.loader import load_show, show_of
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.show.made_show import GRAPH, PATCH, made_show
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from live.base import picture
+from live.base import picture_parameters
 from live.base.errors import PersonError
 from live.base.projector_perspective import floor_corners
 from live.clock.ticks import TICK
 from live.render.camera import pixel_of
-from live.show.desk.views import view_settings
+from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
 from live.show.view.render_scene import scene_of
 from tests.show.desk_show import DESK, Hands
@@ -35,7 +35,7 @@ def camera(hands, after=0.0):
     """The camera of the picture so long after the last tick."""
     view = hands.show.view()
     hands.show.fill(view, hands.ticks * TICK + after)
-    return picture.camera_of(view.picture)
+    return picture_parameters.camera_of(view.picture)
 
 
 def bearing(of):
@@ -120,10 +120,12 @@ def test_every_show_has_views_that_show_the_whole_stage():
         assert set(views) == {"front", "side", "top", "around"}
         floor = floor_corners(width, depth)
         for name in ("front", "top"):
-            row = picture.picture_of(scene_of(patch))
+            row = picture_parameters.picture_of(scene_of(patch))
             for address, value in views[name][0].items():
-                row[picture.BY_ADDRESS[address].where] = value
-            at = pixel_of(picture.camera_of(row), SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1))
+                row[picture_parameters.BY_ADDRESS[address].where] = value
+            at = pixel_of(
+                picture_parameters.camera_of(row), SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)
+            )
             assert (at > 0).all()
             assert (at < SIZE).all()
 

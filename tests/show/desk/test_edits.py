@@ -3,7 +3,7 @@
 import pytest
 
 from live.control.registry.registry import REGISTRY
-from live.show.desk.edits import EDITED, MOST
+from live.show.desk.undo_history import EDITED, MOST
 from tests.show.desk_show import DESK, Hands
 
 

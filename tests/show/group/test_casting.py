@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from live.agents.elements.element_kinds import EVERYBODY
 from live.base.errors import PersonError
-from live.show.group.addressees import BITS, Addressees
 from live.show.group.casting import Casting
-from live.show.patch.patch_file import parse_patch
+from live.show.group.elements import BITS, Addressees
+from live.show.patch.patch_reader import parse_patch
 
 PATCH = """
 name = "test"

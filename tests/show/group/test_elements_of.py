@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from live.agents.elements.element_kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, VOICE
 from live.base.errors import PersonError
 from live.control.events import events
-from live.show.group.elements_of import placing_of_event, placing_of_section, points_of
+from live.show.group.elements import placing_of_event, placing_of_section, points_of
 from live.show.patch.section_elements import ElementSection
 
 STAMP = {"time": 0.0, "source": "test"}

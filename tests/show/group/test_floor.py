@@ -5,8 +5,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.stage_snapshot import FLOOR_MARGIN
-from live.show.group.floor import Floor
 from live.show.group.formations import fitted
+from live.show.group.stage_area import Floor
 from live.show.patch.section_stage import StageSection
 
 

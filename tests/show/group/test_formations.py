@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.agents.formations.spec_table import spec_from_table
+from live.agents.formations.formation_spec import spec_from_table
 from live.base.errors import PersonError
 from live.show.group.formations import Formations
-from live.show.patch.group import GroupSection
+from live.show.patch.section_motion import GroupSection
 
 WEDGE = spec_from_table({"name": "Wedge", "shape": "polyline", "points": [[-3, -2], [0, 2], [3, -2]]})
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.agents.crowd.obstacles import Surroundings
-from live.show.group.stage_set import furnish, refurnish
+from live.show.group.stage_area import furnish, refurnish
 from live.show.patch.section_stage import ObstacleSection
 
 CHAIR = ObstacleSection(name="chair", at=(1.0, 2.0), radius=0.4)

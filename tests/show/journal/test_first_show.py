@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.show.journal.motion_report import FrameReport
-from live.show.load import load_show
+from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 
 FPS = 60

@@ -11,10 +11,9 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.journal.journal import JournalWriter, read_journal
-from live.show.journal.replay import run_from
-from live.show.journal.replay_start import first_start
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.journal.replay import first_start, run_from
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from tests.show.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 

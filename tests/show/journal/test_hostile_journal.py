@@ -8,10 +8,9 @@ import psutil
 import pytest
 
 from live.base.compression import MOST, packed, unpacked
-from live.show.journal.journal_reading import MOST_VALUES, JournalError, read_journal
-from live.show.journal.journal_survey import survey
-from live.show.journal.replay_start import ReplayError, loaded_by, loaded_of
-from live.show.patch.patch_file import parse_patch
+from live.show.journal.journal_reader import MOST_VALUES, JournalError, read_journal, survey
+from live.show.journal.replay import ReplayError, loaded_by, loaded_of
+from live.show.patch.patch_reader import parse_patch
 from tests.show.made_show import PATCH
 
 HEAD = {"journal": 2, "patch": {"name": "test"}, "patch_path": "x.toml", "recordings": None, "steps_hash": "",

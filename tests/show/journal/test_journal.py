@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_json

@@ -9,18 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
-from live.show.journal.journal_file import KEEP_EVERY, SnapshotFile, read_snapshots
-from live.show.journal.replay import Replaying, run_from
-from live.show.journal.replay_start import first_start, start_before
-from live.show.load import LoadedShow
-from live.show.patch.edit import version_of
-from live.show.patch.patch_file import parse_patch
+from live.show.journal.journal_writer import KEEP_EVERY, SnapshotFile, read_snapshots
+from live.show.journal.replay import Replaying, first_start, run_from, start_before
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_update import version_of
 from live.show.state.snapshot import Snapshots, facts_of
 from live.show.status import Status
 from tests.show.disk import settled

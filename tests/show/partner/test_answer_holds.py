@@ -9,9 +9,9 @@ from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.show.core import Show
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import PatchError, parse_patch
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import PatchError, parse_patch
+from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 from tests.show.answering_show import FILE, FOLLOWER, LEADER
 from tests.show.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms

@@ -8,14 +8,13 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import SKELETON
-from live.show.core import Show
-from live.show.load import LoadedShow
-from live.show.outgoing import Outgoing
+from live.show.loader import LoadedShow
 from live.show.partner.response_path import FASTEST
-from live.show.patch.edit import fitted, version_of
-from live.show.patch.patch_file import PatchError, parse_patch
-from live.show.patch.reloading import prepare
+from live.show.patch.patch_reader import PatchError, parse_patch
+from live.show.patch.patch_update import fitted, prepare, version_of
+from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
+from live.show.telemetry import Outgoing
 from tests.show.answering_show import (
     DUET,
     FILE,

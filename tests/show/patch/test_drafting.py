@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.graph.select.placing import own_end
+from live.graph.select.candidates import own_end
 from live.show.patch.background_check import STRAY_MIX
 from tests.show.made_show import made_show
 

@@ -3,9 +3,9 @@
 import pytest
 from pydantic import ValidationError
 
-from live.base import picture
-from live.show.patch.draw import KEYS
+from live.base import picture_parameters
 from live.show.patch.patch import Patch
+from live.show.patch.section_picture import KEYS
 from live.show.view.render_scene import scene_of
 
 
@@ -18,12 +18,15 @@ def test_a_group_begins_as_its_patch_says():
     made = Patch.model_validate(
         patch(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
     )
-    row = picture.picture_of(scene_of(made))
+    row = picture_parameters.picture_of(scene_of(made))
     said = {"solid": (0.0,), "ink": (1.0,), "ink/width": (3.5,), "silhouette/colour": (0.1, 0.2, 0.3)}
     for name, numbers in said.items():
-        assert tuple(row[picture.of_group(picture.STYLE_OF_GROUP + name, 0).where]) == numbers
-    plain = picture.picture_of(scene_of(Patch.model_validate(patch())))
-    assert (row[picture.STYLES + picture.STYLE_SIZE :] == plain[picture.STYLES + picture.STYLE_SIZE :]).all()
+        assert tuple(row[picture_parameters.of_group(picture_parameters.STYLE_OF_GROUP + name, 0).where]) == numbers
+    plain = picture_parameters.picture_of(scene_of(Patch.model_validate(patch())))
+    assert (
+        row[picture_parameters.STYLES + picture_parameters.STYLE_SIZE :]
+        == plain[picture_parameters.STYLES + picture_parameters.STYLE_SIZE :]
+    ).all()
 
 
 @pytest.mark.parametrize(
@@ -49,7 +52,7 @@ def test_a_look_draws_all_groups_or_one():
 
 
 def test_every_style_has_its_key():
-    assert len(KEYS) == len(picture.OF_GROUPS) - 1
+    assert len(KEYS) == len(picture_parameters.OF_GROUPS) - 1
     assert {"solid", "silhouette_colour", "trails_spacing"} <= set(KEYS)
 
 

@@ -8,10 +8,9 @@ from live.base.compression import packed
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events.events import PatchChanged
-from live.show.long_patches import written_text
-from live.show.patch.edit import fitted, version_of
-from live.show.patch.patch_file import parse_patch
-from live.show.patch.reloading import prepare
+from live.show.background_work import written_text
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_update import fitted, prepare, version_of
 from tests.show.made_show import PATCH, made_show
 
 FRONT = (

@@ -2,11 +2,11 @@
 
 import pytest
 
-from live.base.picture import OWN, picture_of
+from live.base.picture_parameters import OWN, picture_of
 from live.control.registry.registry import REGISTRY
 from live.control.registry.rejections import Rejection
 from live.show.patch.hot_reload import stamp_of_files
-from live.show.patch.patch_file import own_pass_files, read_patch
+from live.show.patch.patch_reader import own_pass_files, read_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import scene_of
 from tests.show.desk_show import Hands

@@ -2,8 +2,8 @@
 
 import pytest
 
-from live.show.patch import toml_file
-from live.show.patch.patch_file import find_beside, parse_patch, read_patch
+from live.show.patch import patch_reader
+from live.show.patch.patch_reader import find_beside, parse_patch, read_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch
 from tests.show.made_show import PATCH
 
@@ -126,7 +126,7 @@ def test_files_that_are_no_text_or_too_large(tmp_path):
 
 def test_of_many_problems_only_those_told_are_put_in_words(monkeypatch):
     asked = []
-    monkeypatch.setattr(toml_file.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
+    monkeypatch.setattr(patch_reader.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
     with pytest.raises(PatchError, match="and 4994 more"):  # 5,000, name and group; of eight the words are here
         parse_patch("\n".join(f"k{number} = 1" for number in range(5000)), "test.toml")
     assert len(asked) <= 8

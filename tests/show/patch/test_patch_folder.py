@@ -3,10 +3,9 @@
 import pytest
 
 from live.base.errors import PersonError
-from live.show.load import load_show
-from live.show.patch.patch_file import MOST_BYTES, MOST_FILES, read_patch
+from live.show.loader import load_show
+from live.show.patch.patch_reader import MOST_BYTES, MOST_FILES, TomlSources, parse_text, read_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.patch.toml_sources import TomlSources, parse_text
 
 MAIN = """name = "folder"
 [look]

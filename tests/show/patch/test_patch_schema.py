@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from live.cli.main import app
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import read_sources
+from live.show.patch.patch_reader import read_sources
 from live.show.patch.patch_schema import patch_schema
 from live.show.patch.patch_search_path import PATCHES
 

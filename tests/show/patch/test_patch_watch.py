@@ -5,12 +5,11 @@ import json
 import pytest
 
 from live.base.fault_isolation import FAULTS
-from live.base.picture import LEVEL
+from live.base.picture_parameters import LEVEL
 from live.control.events import events
 from live.control.events.events import GiveCue, PatchChanged
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import reload, replay, run_from
-from live.show.journal.replay_start import loaded_by, start_before
+from live.show.journal.replay import loaded_by, reload, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
 from tests.show import edited_night
 from tests.show.edited_night import STEPS, folder_with

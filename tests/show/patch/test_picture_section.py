@@ -2,9 +2,9 @@
 
 import pytest
 
-from live.base.picture import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.base.stage_snapshot import PASSES
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import scene_of
 from tests.show.desk_show import Hands

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import read_sources
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import read_sources
 from tests.show.made_show import GRAPH, PATCH
 
 SECTIONS = '[[section]]\nname = "verse"\nmeasures = 8\n[[section]]\nname = "solo"\nmeasures = 4\n'

@@ -1,8 +1,8 @@
 """A score that is edited while it is danced: its steps, improvisations and calls act from the next measure on."""
 
 from live.control.events.events import Improvise, PatchChanged
-from live.show.patch.edit import version_of
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_update import version_of
 from tests.show.made_show import PATCH, made_show
 from tests.show.score.test_sequences import steps_of
 

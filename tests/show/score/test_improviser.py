@@ -7,9 +7,8 @@ import pytest
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import MusicHeard
-from live.show.score.improvise_table import table_of
-from live.show.score.improviser import Improviser
-from live.show.score.mood import Mood
+from live.show.score.improviser import Improviser, table_of
+from live.show.score.music_reactions import Mood
 from live.show.score.playhead import Playhead
 from live.show.score.score import Score, stretches_of
 from live.show.score.step_history import Ledger
@@ -25,7 +24,7 @@ class Stage:
     """Improvisers of the two groups of PATCH without a show: what each is told, measure after measure."""
 
     def __init__(self, extra, seed=3):
-        from live.show.patch.patch_file import parse_patch
+        from live.show.patch.patch_reader import parse_patch
 
         patch = parse_patch(PATCH + extra, "test.toml")
         self.score = Score(patch, Playhead(stretches_of(patch)))

@@ -5,8 +5,7 @@ import random
 
 import pytest
 
-from live.show.score.places import END, Place, Stretch
-from live.show.score.playhead import Playhead
+from live.show.score.playhead import END, Place, Playhead, Stretch
 
 SONG = (Stretch("intro", 2, 1, 1), Stretch("verse", 3, 2, 2), Stretch("solo", 2, 0, 3), Stretch("coda", 1, 1, END))
 

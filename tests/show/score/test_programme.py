@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.graph.search.sequence_spec import Wanted
-from live.show.patch.group import GroupSection, parse_entry
+from live.show.patch.section_motion import GroupSection, parse_entry
 from live.show.score.step_names import UnknownStep, find_step
 from live.show.score.step_program import GroupProgramme
 from tests.show.made_show import GRAPH

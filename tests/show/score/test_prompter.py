@@ -6,7 +6,7 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import MusicHeard
-from live.show.score.reactions import Reactions
+from live.show.score.music_reactions import Reactions
 from live.show.score.score_runner import Prompter
 from tests.show.made_show import PATCH, made_show
 
@@ -160,7 +160,7 @@ def test_practice_comes_again_and_again_and_ends():
 
 def test_signals_that_call_each_other_for_ever_stop_no_show():
     """Named at load where the patch says so; here a hand makes it so: the agenda takes only so many in a tick."""
-    from live.show.patch.patch_file import parse_patch
+    from live.show.patch.patch_reader import parse_patch
 
     patch = parse_patch(PATCH, "x")
     prompter = Prompter(patch, Reactions(patch), seed=1)

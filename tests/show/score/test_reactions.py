@@ -6,8 +6,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.control.events.events import CallStep, MusicHeard, NotesHeard, SetMotion, SetPicture
-from live.show.patch.patch_file import parse_patch
-from live.show.score.reactions import Reactions
+from live.show.patch.patch_reader import parse_patch
+from live.show.score.music_reactions import Reactions
 from tests.show.made_show import made_show
 
 GROUP = '\n[[group]]\nname = "ember"\ndancers = 4\nsteps = ["sway"]\n'

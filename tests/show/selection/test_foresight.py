@@ -9,9 +9,9 @@ from live.clock.ticks import TICK
 from live.graph.motion_graph import build_graph
 from live.graph.search.sequence_spec import Wanted
 from live.graph.step_library import build_library
-from live.show.core import Show
-from live.show.patch.patch_file import parse_patch
-from live.show.selection.foresight import IMPOSSIBLE, Foresight
+from live.show.patch.patch_reader import parse_patch
+from live.show.selection.lookahead import IMPOSSIBLE, Foresight
+from live.show.show import Show
 from tests.made_steps import made_clip
 
 PATCH = """

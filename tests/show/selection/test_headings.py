@@ -8,8 +8,8 @@ import pytest
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.patch.facing import parse_facing
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
+from live.show.patch.section_motion import parse_facing
 from tests.show.made_show import PATCH, made_show
 
 STAMP = {"time": 0.0, "source": "test"}

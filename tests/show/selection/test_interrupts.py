@@ -8,10 +8,10 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import Performer, StepNow
-from live.show.core import Show
-from live.show.load import load_show
-from live.show.patch.patch_file import parse_patch
+from live.show.loader import load_show
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
+from live.show.show import Show
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.show.selection.library_hash import library_hash, steps_hash
+from live.show.selection.graph_update import library_hash, steps_hash
 from tests.show.made_show import GRAPH
 
 

@@ -8,8 +8,8 @@ import pytest
 from live.control.events import events
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, reload, replay
-from live.show.load import load_show
-from live.show.selection.library_watch import LibraryWatch, same_clip
+from live.show.loader import load_show
+from live.show.selection.graph_update import LibraryWatch, same_clip
 from tests.show.edited_night import STEPS, Night, folder_with
 
 PATCH = """

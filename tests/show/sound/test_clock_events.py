@@ -5,10 +5,10 @@ from collections import Counter, deque
 import numpy as np
 import pytest
 
-from live.base.inbox import Inbox
+from live.base.event_queue import Inbox
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
-from live.control.audio.audio_analysis import AudioAnalysis
+from live.control.audio.analysis import AudioAnalysis
 from live.control.audio.music_file import Music, OfflineMusic
 from live.control.audio.music_player import MusicPlayer
 from live.control.events import events
@@ -16,7 +16,7 @@ from live.control.events.audio import MusicHeard
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import replay
-from live.show.patch.patch_file import parse_patch
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.sound.clock_commands import CLOCK_EVENTS
 from live.show.status import Status

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from live.app.services.click_part import make_click
+from live.app.services.click_service import make_click
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.audio import click_output
-from live.control.audio.sound_devices import SoundDevice
+from live.control.audio.devices import SoundDevice
 from live.control.events.events import CountIn, SetClick, Tap
-from live.show.sound.on_click import OnClick
-from live.show.sound.tap_voices import click_voices
+from live.show.sound.click_link import OnClick
+from live.show.sound.soundtrack import click_voices
 from live.show.venue.venue import Venue
 from tests.show.made_show import made_show
 

@@ -3,13 +3,22 @@
 import numpy as np
 import pytest
 
-from live.render.film.film_sound import FilmSound
+from live.render.film.streams import FilmSound
 from live.show.dancers.footfalls import BALL, HEEL, Footfalls
-from live.show.load import show_of
-from live.show.patch.patch_file import read_patch
+from live.show.loader import show_of
+from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
-from live.show.sound.show_sound import CLICK_LEVEL, MAX_VOICES, MUSIC_LEVEL, RATE, ShowSound
-from live.show.sound.tap_voices import ACCENT_HZ, BEAT_HZ, click_voices, tap_voices
+from live.show.sound.soundtrack import (
+    ACCENT_HZ,
+    BEAT_HZ,
+    CLICK_LEVEL,
+    MAX_VOICES,
+    MUSIC_LEVEL,
+    RATE,
+    ShowSound,
+    click_voices,
+    tap_voices,
+)
 
 TAP = find_patch("tap")
 BEAT = 60.0 / 108.0

@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 from live.clock.ticks import TICK
-from live.show.journal.journal_file import read_snapshots
+from live.show.journal.journal_writer import read_snapshots
 from live.show.state.byte_format import HEAD, MOST_TREE
 from live.show.state.snapshot import SnapshotError, facts_of, restore
 from tests.show.state.hostile import Mutations, halves, joined, opened, sealed, tried
@@ -70,7 +70,7 @@ def test_a_pickle_calls_nothing(taken, fresh):
         "graph.library.node_count",
         "follower",
         "os.system",
-        "live.show.load.load_show",
+        "live.show.loader.load_show",
     ],
 )
 def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, path):
@@ -86,7 +86,7 @@ def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, 
     ("said", "words"),
     [
         (["os", ["name"], []], "there is no kind 'os'"),
-        (["live.show.core.Show", [], ["graph"]], "there is no kind"),
+        (["live.show.show.Show", [], ["graph"]], "there is no kind"),
         (["formation-spec", ["__class__"], []], "of another version"),
         (["timeline", ["tempo"], []], "beat_origin"),
         (["arrive", [], []], "there is no kind"),

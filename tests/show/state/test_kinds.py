@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from live.control.events import events
-from live.rehearse.soak import Soak
-from live.rehearse.soak_report import Plan
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.rehearse.soak_test import Plan, Soak
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.state.constants import attributes
 from live.show.state.kind import NUMBERS, type_of

@@ -8,11 +8,11 @@ import pytest
 from live.base.compression import packed
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.load import LoadedShow, load_show
-from live.show.long_patches import written_text
-from live.show.patch.edit import fitted, version_of
-from live.show.patch.patch_file import parse_patch
+from live.show.background_work import written_text
+from live.show.loader import LoadedShow, load_show
+from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
+from live.show.patch.patch_update import fitted, version_of
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshots, at_rest, facts_of, restore, snapshot
 from tests.show.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH

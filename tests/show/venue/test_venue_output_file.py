@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.mesh import regular
 from live.render.outputs.output import Output
-from live.show.patch.toml_file import parse_model
+from live.render.outputs.warp import regular
+from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue
 from live.show.venue.venue_output_writer import changed_output, with_output
 

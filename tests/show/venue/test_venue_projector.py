@@ -3,19 +3,18 @@
 import numpy as np
 import pytest
 
-from live.app.wish import Wish
+from live.app.launch_options import Wish
 from live.base.compression import unpacked
 from live.base.errors import PersonError
 from live.base.projector_perspective import floor_corners
 from live.render.camera import pixel_of
-from live.show.desk.views import start_row, view_settings
-from live.show.load import LoadedShow
+from live.show.desk.scenes import start_row, view_settings
+from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch import Patch
-from live.show.patch.patch_file import parse_patch, read_patch
-from live.show.patch.toml_file import parse_model
+from live.show.patch.patch_reader import parse_model, parse_patch, read_patch
 from live.show.venue.venue import Venue
-from live.show.venue.venue_projector import in_hall
+from live.show.venue.venue_output import in_hall
 from live.show.view.render_scene import camera_at_first
 from tests.show.made_show import GRAPH, PATCH
 
@@ -100,7 +99,7 @@ def test_the_command_line_reads_it_with_the_venue(tmp_path, monkeypatch):
     (tmp_path / "venues").mkdir()
     (tmp_path / "venues" / "hall.toml").write_text(HALL)
     loaded = LoadedShow(tmp_path / "show.toml", patch(CAMERA), GRAPH)
-    monkeypatch.setattr("live.show.load.load_show", lambda path, **options: loaded)
+    monkeypatch.setattr("live.show.loader.load_show", lambda path, **options: loaded)
     played = Wish(venue="hall").load()
     np.testing.assert_allclose(floor_of(played.scene().camera), CORNERS, atol=1e-9)
     assert Wish().load() is loaded

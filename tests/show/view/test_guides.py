@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.motion.pose.legs_kernels import HELD
+from live.motion.pose.foot_lock_kernels import HELD
 from live.show.view import debug_overlay as guides
 from live.show.view.debug_overlay import AGENT, CROSS_M, FEET, RING, RING_M, STANDS, draw_guides
 from tests.show.made_show import made_show

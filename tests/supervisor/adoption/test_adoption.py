@@ -23,9 +23,9 @@ from live.supervisor.adoption.adoption import CannotAdopt, EngineHung, end_engin
 from live.supervisor.adoption.journal_resume import cut_off
 from live.supervisor.adoption.rendezvous import Meeting, own_folder
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.lifeline import Lifeline
+from live.supervisor.line_channel import Wire
+from live.supervisor.supervisor_link import Lifeline
 from live.supervisor.watchdog import Usage
-from live.supervisor.wire import Wire
 from tests.control.waiting import BUSY, wait_for
 from tests.supervisor.made_show import LABEL
 

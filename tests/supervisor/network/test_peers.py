@@ -18,7 +18,7 @@ from live.supervisor.network.leadership import Claim, Term
 from live.supervisor.network.peer_messages import SignedClaim, read_line, said, signed_claim, verified
 from live.supervisor.network.peers import KNOCKING, Link, Peers
 from live.supervisor.network.tls import Trust
-from live.supervisor.starter import Starter
+from live.supervisor.process import Starter
 from tests.control.waiting import wait_for
 from tests.supervisor.made_machines import machine, network, pair_folders
 

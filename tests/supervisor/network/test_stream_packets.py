@@ -9,21 +9,21 @@ from pathlib import Path
 import pytest
 
 from live import __version__
-from live.app.memory import resident_megabytes
 from live.app.processes.remote_standby import follow
+from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
-from live.show.journal.replay_start import ReplayError
-from live.show.load import LoadedShow
-from live.show.patch.patch_file import parse_patch
+from live.show.journal.replay import ReplayError
+from live.show.loader import LoadedShow
+from live.show.patch.patch_reader import parse_patch
 from live.supervisor.engine_failover import Engines
+from live.supervisor.line_channel import Wire
 from live.supervisor.network.leadership import HandOver, Pulse, Term
 from live.supervisor.network.peer_messages import Cannot, GiveShow, Hello, ShowComes, line_of
 from live.supervisor.network.peers import Link
 from live.supervisor.network.remote_standby import MOST_OF_SHOW, Remote
-from live.supervisor.starter import Starter
+from live.supervisor.process import Starter
 from live.supervisor.state_follower import Following
 from live.supervisor.supervisor_config import Orders, Report
-from live.supervisor.wire import Wire
 from tests.show.made_show import GRAPH, PATCH
 from tests.supervisor.made_machines import free_port, machine, pair_folders
 

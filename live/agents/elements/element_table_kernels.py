@@ -1,0 +1,176 @@
+"""The table of elements: its columns, and who of them acts at a beat (T105, T132).
+
+What acts, copied from the table of elements into the arrays of a drawing snapshot.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import ALIGNMENT as WANTS_ALIGNMENT
+from live.agents.agent_command import COHESION as WANTS_COHESION
+from live.agents.agent_command import PRESENCE
+from live.agents.agent_command import SEPARATION as WANTS_SEPARATION
+from live.agents.elements.element_kinds import KIND_COUNT
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+# columns of the table (E, COLUMNS), float64
+START, END, LEVEL, KIND, STRENGTH = 0, 1, 2, 3, 4
+CORNERS, CLOSED, RADIUS, DECAY, SEPARATION = 5, 6, 7, 8, 9
+ALIGNMENT, COHESION, FLOW_KIND, SLOT, TARGET = 10, 11, 12, 13, 14
+TARGET_GROUP, WEDGE, SERIAL, X, Z = 15, 16, 17, 18, 19
+COLUMNS = 20
+
+# columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64
+SUM_X, SUM_Z, LEFT, MOST, HEARD = 0, 1, 2, 3, 4
+SUM_COLUMNS = 5
+# numbers of a call
+TIME, SEED, HALF_WIDTH, HALF_DEPTH, SWITCHED, PLACE_COUNT = 0, 1, 2, 3, 4, 5
+NUMBERS = 6
+ROWS = KIND_COUNT + 1
+"""Where the list of acting rows begins in `active`."""
+
+ALL_BITS = np.uint64(0xFFFFFFFFFFFFFFFF)
+_NONE = np.uint64(0)
+
+
+@part
+def addresses(mask: np.uint64, groups: np.uint64) -> bool:
+    """Whether an element of group mask `mask` means a dancer of `groups`; all bits mean everybody."""
+    return bool(mask == ALL_BITS or (mask & groups) != _NONE)
+
+
+@part
+def newest(table: Float64, masks: UInt64, active: Int32, kind: int, groups: np.uint64) -> int:
+    """The newest acting element of a kind that addresses these groups; -1: none."""
+    found = -1
+    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+        if addresses(masks[active[k]], groups):
+            found = active[k]
+    return found
+
+
+@part
+def take(sums: Float64, i: int, x: float, z: float, influence: float, switched: bool) -> None:
+    """Add a wish to the sum of an agent: as it is (blended), or no more of it than is left of the speed (switched)."""
+    if switched:
+        size = math.sqrt(x * x + z * z)
+        if size > sums[i, LEFT]:
+            x, z, size = x * sums[i, LEFT] / size, z * sums[i, LEFT] / size, sums[i, LEFT]
+        sums[i, LEFT] -= size
+    sums[i, SUM_X] += x
+    sums[i, SUM_Z] += z
+    sums[i, MOST] = max(sums[i, MOST], influence)
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1])")
+def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups: UInt64, sums: Float64) -> None:
+    """Begin the sums (A, 5), and raise in `wants` (A, 8) what the acting elements ask of agents towards neighbours.
+
+    sums[:, HEARD] becomes the largest level of those that address an agent who is there; 0: nobody means her.
+    """
+    for i in range(wants.shape[0]):
+        sums[i, SUM_X], sums[i, SUM_Z], sums[i, LEFT], sums[i, MOST], sums[i, HEARD] = 0.0, 0.0, 1.0, 0.0, 0.0
+        if wants[i, PRESENCE] <= 0.0:
+            continue
+        heard, apart, align, cohere = 0.0, 0.0, 0.0, 0.0
+        for k in range(ROWS, ROWS + active[KIND_COUNT]):
+            row = active[k]
+            if addresses(masks[row], groups[i]):
+                level = table[row, LEVEL]
+                heard = max(heard, level)
+                apart = max(apart, level * table[row, SEPARATION])
+                align = max(align, level * table[row, ALIGNMENT])
+                cohere = max(cohere, level * table[row, COHESION])
+        sums[i, HEARD] = heard
+        wants[i, WANTS_SEPARATION] = max(wants[i, WANTS_SEPARATION], apart)
+        wants[i, WANTS_ALIGNMENT] = max(wants[i, WANTS_ALIGNMENT], align)
+        wants[i, WANTS_COHESION] = max(wants[i, WANTS_COHESION], cohere)
+
+
+@kernel("f8(f8)")
+def faded_in(share: float) -> float:
+    """How far an element has faded in, 0 to 1, when this share of the fade is over.
+
+    Its slope begins at once, so that agents change their course within two frames, and ends at 0: there is no corner,
+    and as agents' accelerations lag, no jolt.
+    """
+    rest = max(1.0 - share, 0.0) ** 2
+    return 1.0 - rest * rest
+
+
+@kernel("i8(f8[:,::1],i8,f8,f8,i4[::1])")
+def refresh_table(table: Float64, count: int, beat: float, fade: float, active: Int32) -> int:
+    """Set every row's level at `beat` and list those that act, by kind; returns how many have ended.
+
+    table (E, 20): the first `count` rows; `fade` in beats; active (E + KIND_COUNT + 1,): first where each kind's rows
+    begin (KIND_COUNT + 1 numbers), then the rows that act, sorted by kind, oldest first.
+    """
+    ended = 0
+    for k in range(KIND_COUNT + 1):
+        active[k] = 0
+    for row in range(count):
+        into, left = beat - table[row, START], table[row, END] - beat
+        level = 0.0
+        if left <= 0.0:
+            ended += 1
+        elif into > 0.0:
+            level = min(faded_in(into / fade), left / fade)
+        table[row, LEVEL] = level
+        if level > 0.0:
+            active[int(table[row, KIND]) + 1] += 1
+    for k in range(KIND_COUNT):
+        active[k + 1] += active[k]
+    for row in range(count - 1, -1, -1):
+        if table[row, LEVEL] > 0.0:
+            # each kind is filled from its end, and the ends move down to the beginnings
+            kind = int(table[row, KIND]) + 1
+            active[kind] -= 1
+            active[KIND_COUNT + 1 + active[kind]] = row
+    for k in range(KIND_COUNT):
+        active[k] = active[k + 1]
+    total = 0
+    for row in range(count):
+        if table[row, LEVEL] > 0.0:
+            total += 1
+    active[KIND_COUNT] = total
+    return ended
+
+
+@kernel(
+    "i8(f8[:,::1], i4[::1], f4[:,:,::1], i4[::1], f4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i4[::1], i4[::1],"
+    " f4[:,::1])"
+)
+def show_elements(
+    table: Float64, active: Int32, vertices: Float32,
+    kind: Int32, position: Float32, level: Float32, radius: Float32, strength: Float32, flow: Int32,
+    first: Int32, corners: Int32, corner: Float32,
+) -> int:  # fmt: skip
+    """Copy the rows that act into the arrays of a `StageView`, as many as there is room for; returns how many.
+
+    `table`, `active`, `vertices` as in `ElementTable`. A line or region whose corners find no room in `corner` stays a
+    point; of a closed one the first corner comes once more at its end.
+    """
+    count: int = min(active[KIND_COUNT], kind.shape[0])
+    used = 0
+    for k in range(count):
+        row = active[ROWS + k]
+        kind[k], flow[k] = int(table[row, KIND]), int(table[row, FLOW_KIND])
+        position[k, 0], position[k, 1] = table[row, X], table[row, Z]
+        level[k], radius[k], strength[k] = table[row, LEVEL], table[row, RADIUS], table[row, STRENGTH]
+        corners[k] = 0
+        size, closed = int(table[row, CORNERS]), int(table[row, CLOSED])
+        if size <= 1 or used + size + closed > corner.shape[0]:
+            continue
+        first[k], corners[k] = used, size + closed
+        for n in range(size + closed):
+            place = n if n < size else 0
+            corner[used + n, 0], corner[used + n, 1] = vertices[row, place, 0], vertices[row, place, 1]
+        used += size + closed
+    return count

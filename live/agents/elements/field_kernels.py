@@ -1,0 +1,205 @@
+"""What the elements wish of every agent: passes over the agents, one for each kind that acts (T083, T105-T110).
+
+Behaviours are blended (a weighted sum, at most the top speed) or switched: those that come first in the order of
+urgency take what they want of the speed, the others share what is left (Reynolds 1987: prioritized acceleration
+allocation).
+
+Flow fields (T082): align the motion with the tangent of a field, here uniform, radial, a vortex, drawn or a grid.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.agent_command import FIRM, SPEED, VX, VZ
+from live.agents.elements.audience_attractor_kernels import fair_attraction
+from live.agents.elements.crossing_kernels import cross_over
+from live.agents.elements.element_kinds import (
+    ATTRACTOR,
+    CROSSING,
+    EVADE,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    PATH,
+    PURSUE,
+    RADIAL,
+    REPULSOR,
+    SPREADER,
+    UNIFORM,
+    VOICE,
+    VORTEX,
+    WANDER,
+)
+from live.agents.elements.element_table_kernels import (
+    DECAY,
+    FLOW_KIND,
+    HALF_DEPTH,
+    HALF_WIDTH,
+    HEARD,
+    LEVEL,
+    MOST,
+    RADIUS,
+    ROWS,
+    SLOT,
+    STRENGTH,
+    SUM_X,
+    SUM_Z,
+    SWITCHED,
+    X,
+    Z,
+    addresses,
+    company,
+    take,
+)
+from live.agents.elements.leader_kernels import follow_leaders, hunt
+from live.agents.elements.shape_kernels import nearest_sources, seen_from
+from live.agents.elements.wander_kernels import drift, follow_paths, spread_out
+from live.agents.steering_kernels import LOOK, flow_grid, flow_radial, flow_vortex, unit
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+UInt64 = npt.NDArray[np.uint64]
+
+
+@part
+def flow_at(
+    table: Float64, vertices: Float32, grids: Float32, row: int, x: float, z: float, numbers: Float64
+) -> tuple[float, float]:
+    """The flow of one element at a place, before strength and level."""
+    ax, az, kind = table[row, X], table[row, Z], int(table[row, FLOW_KIND])
+    fx, fz = 0.0, 0.0
+    if kind == UNIFORM:
+        fx, fz = unit(vertices[row, 1, 0] - ax, vertices[row, 1, 1] - az)
+    elif kind == RADIAL:
+        fx, fz = flow_radial(x, z, ax, az, table[row, DECAY])
+    elif kind == VORTEX:
+        fx, fz = flow_vortex(x, z, ax, az, table[row, DECAY])
+    elif table[row, SLOT] >= 0.0:
+        fx, fz = flow_grid(grids, int(table[row, SLOT]), x, z, numbers[HALF_WIDTH], numbers[HALF_DEPTH])
+    return fx, fz
+
+
+@kernel(
+    "void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])",
+)
+def flow_fields(
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    grids: Float32,
+    position: Float32,
+    velocity: Float32,
+    groups: UInt64,
+    numbers: Float64,
+    sums: Float64,
+) -> None:
+    """Add the sum of all flows where each agent will be in a moment; one with a radius acts only within it, softly."""
+    switched = numbers[SWITCHED] > 0.0
+    for i in range(position.shape[0]):
+        if sums[i, HEARD] <= 0.0:
+            continue
+        x, z = position[i, 0] + velocity[i, 0] * LOOK, position[i, 1] + velocity[i, 1] * LOOK
+        wish_x, wish_z, influence = 0.0, 0.0, 0.0
+        for k in range(ROWS + active[FLOW], ROWS + active[FLOW + 1]):
+            row = active[k]
+            if not addresses(masks[row], groups[i]):
+                continue
+            fx, fz = flow_at(table, vertices, grids, row, x, z, numbers)
+            level = table[row, LEVEL]
+            if table[row, RADIUS] > 0.0:
+                d, _, _ = seen_from(table, vertices, row, x, z)
+                level *= min(max(0.5 - d, 0.0), 1.0)
+            wish_x += level * table[row, STRENGTH] * fx
+            wish_z += level * table[row, STRENGTH] * fz
+            influence = max(influence, level)
+        take(sums, i, wish_x, wish_z, influence, switched)
+
+
+@part
+def acts(active: Int32, kind: int) -> bool:
+    """Whether an element of a kind acts."""
+    return bool(active[kind] < active[kind + 1])
+
+
+@kernel("void(f4[:,::1],f8[:,::1],f4[::1])")
+def blend(wants: Float32, sums: Float64, influence: Float32) -> None:
+    """Blend the sums over what is planned: (1 - influence) of the plan, and the elements' wish at most at top speed."""
+    for i in range(wants.shape[0]):
+        influence[i] = 0.0
+        if sums[i, HEARD] <= 0.0:
+            continue
+        size = math.sqrt(sums[i, SUM_X] ** 2 + sums[i, SUM_Z] ** 2)
+        scale, keep = wants[i, SPEED] / max(size, 1.0), 1.0 - sums[i, MOST]
+        wants[i, VX] = keep * wants[i, VX] + scale * sums[i, SUM_X]
+        wants[i, VZ] = keep * wants[i, VZ] + scale * sums[i, SUM_Z]
+        wants[i, FIRM] *= keep
+        influence[i] = sums[i, MOST]
+
+
+@kernel(
+    "void(f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],"
+    "f8[:,::1],u8[::1],f8[:,::1],f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],"
+    "f8[:,::1],f8[:,::1],f4[::1])"
+)
+def wish_of_all(
+    position: Float32,
+    velocity: Float32,
+    wants: Float32,
+    groups: UInt64,
+    table: Float64,
+    masks: UInt64,
+    vertices: Float32,
+    active: Int32,
+    grids: Float32,
+    places: Float64,
+    audience: UInt64,
+    memory: Float64,
+    area: Float64,
+    mesh: Float32,
+    cosines: Float32,
+    start: Int32,
+    order: Int32,
+    spreading: Float64,
+    numbers: Float64,
+    sums: Float64,
+    near: Float64,
+    influence: Float32,
+) -> None:
+    """Blend the wishes of all acting elements into `wants` (A, 8), and write how far they have taken each agent.
+
+    position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as
+    ElementField holds them; memory (A, 3): goals of crossings; area, mesh, cosines, start, order, spreading (A, 2),
+    sums (A, 5), near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the
+    elements' wish in its place.
+    """
+    company(table, masks, active, wants, groups, sums)
+    if acts(active, REPULSOR):
+        nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
+    if acts(active, EVADE):
+        hunt(table, masks, active, True, position, velocity, wants, groups, numbers, sums)
+    if acts(active, CROSSING):
+        cross_over(table, masks, active, position, groups, memory, numbers, sums)
+    if acts(active, FOLLOW):
+        follow_leaders(table, masks, active, position, velocity, wants, groups, numbers, sums)
+    if acts(active, PURSUE):
+        hunt(table, masks, active, False, position, velocity, wants, groups, numbers, sums)
+    if acts(active, PATH):
+        follow_paths(table, masks, vertices, active, position, velocity, wants, groups, numbers, sums)
+    if acts(active, ATTRACTOR):
+        nearest_sources(table, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
+    if acts(active, VOICE):
+        fair_attraction(places, audience, position, groups, numbers, sums)
+    if acts(active, FLOW):
+        flow_fields(table, masks, vertices, active, grids, position, velocity, groups, numbers, sums)
+    if acts(active, SPREADER):
+        spread_out(
+            table, masks, active, position, wants, groups, area, mesh, cosines, start, order, spreading, numbers, sums
+        )
+    if acts(active, WANDER) or acts(active, FLOCK) or acts(active, SPREADER):
+        drift(table, masks, active, position, velocity, groups, numbers, sums)
+    blend(wants, sums, influence)

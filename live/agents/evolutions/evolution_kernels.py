@@ -1,0 +1,373 @@
+"""Kernels of evolutions: places at a beat, tracking, clearance, better pairs, divide and conquer (T088, T097-T101).
+
+How many pairs of dancers come too near to each other; of no pair it is known how near.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bytes = npt.NDArray[np.uint8]
+
+_VX, _VZ, _FIRM = 0, 1, 6  # columns of Wants.rows
+
+
+@part
+def _chance(seed: int, first: int, second: int) -> float:
+    """A number in [0, 1) that depends on its three arguments only (mixing steps of murmur3): seeded chance."""
+    h = (int(seed) * 0x9E3779B1 ^ int(first) * 0x85EBCA77 ^ int(second) * 0xC2B2AE3D) & 0xFFFFFFFF
+    h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
+    h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
+    h = h ^ (h >> 16)
+    return h / 4294967296.0
+
+
+@part
+def _share(t: float, soft: float) -> float:
+    """Share of the way covered after the share `t` of the time."""
+    if soft <= 0.0:
+        return t
+    top = 1.0 / (1.0 - soft)
+    u = min(t, 1.0 - t) / soft
+    if u >= 1.0:
+        return top * (t - 0.5 * soft)
+    ramp = top * soft * u * u * u * (1.0 - 0.5 * u)  # the integral of smoothstep
+    return ramp if t < 0.5 else 1.0 - ramp
+
+
+@part
+def _rate(t: float, soft: float) -> float:
+    """Derivative of `_share`: speed as a multiple of the average speed."""
+    if soft <= 0.0:
+        return 1.0
+    u = min(min(t, 1.0 - t) / soft, 1.0)
+    return u * u * (3.0 - 2.0 * u) / (1.0 - soft)
+
+
+@kernel("f8(f8,f8)")
+def profile(t: float, soft: float) -> float:
+    """Share of the way covered after the share `t` in [0, 1] of the time.
+
+    `soft` in [0, 0.5] is the share of the time in which the speed rises, and falls again, as a smoothstep: no jump of
+    speed or acceleration; 0 is constant speed. The top speed is 1 / (1 - soft) of the average.
+    """
+    return _share(min(max(t, 0.0), 1.0), min(max(soft, 0.0), 0.5))
+
+
+@part
+def _turn_at(turns: Float64, d: int, beat: float) -> float:
+    """Heading [rad] of the knots turns[d] (H, 2: beat, heading) at `beat`, linear between them, held outside."""
+    low, high = 0, turns.shape[1] - 1
+    if beat <= turns[d, 0, 0]:
+        return float(turns[d, 0, 1])
+    if beat >= turns[d, high, 0]:
+        return float(turns[d, high, 1])
+    while high - low > 1:
+        middle = (low + high) // 2
+        if turns[d, middle, 0] <= beat:
+            low = middle
+        else:
+            high = middle
+    length = float(turns[d, high, 0] - turns[d, low, 0])
+    part_ = (beat - float(turns[d, low, 0])) / length if length > 0.0 else 1.0
+    before = float(turns[d, low, 1])
+    return before + part_ * (float(turns[d, high, 1]) - before)
+
+
+@kernel("void(f8, f4[:,:,::1], f8[:,::1], f8, f8[:,:,::1], i4[::1], u1[::1], f4[:,::1], f4[:,::1], f4[::1], u1[::1])")
+def places_at(
+    beat: float,
+    ways: Float32,
+    times: Float64,
+    soft: float,
+    turns: Float64,
+    who: Int32,
+    keep: Bytes,
+    position: Float32,
+    velocity: Float32,
+    heading: Float32,
+    under: Bytes,
+) -> None:
+    """Where D dancers are on their ways at `beat`, written into the rows `who` (D,) of arrays of A dancers.
+
+    `ways` (D, K, 2) [m] are knots at even shares of the way; between them runs a Catmull-Rom spline, which is the
+    straight line where the knots lie evenly on one. `times` (D, 2) are the beats at which each begins and ends;
+    before and after she stands. `turns` (D, H, 2) are knots (beat, heading). `velocity` is in metres per beat.
+    Rows with keep[d] == 0 are left alone; `under` becomes 1 where a row is written.
+    """
+    last = ways.shape[1] - 1
+    for d in range(ways.shape[0]):
+        if keep[d] == 0:
+            continue
+        a = who[d]
+        under[a] = 1
+        heading[a] = _turn_at(turns, d, beat)
+        begin, length = times[d, 0], times[d, 1] - times[d, 0]
+        if beat <= begin or beat >= times[d, 1]:
+            k = 0 if beat <= begin and length > 0.0 else last
+            position[a, 0] = ways[d, k, 0]
+            position[a, 1] = ways[d, k, 1]
+            velocity[a, 0] = 0.0
+            velocity[a, 1] = 0.0
+            continue
+        t = (beat - begin) / length
+        along = _share(t, soft) * last
+        k = min(int(along), last - 1)
+        u = along - k
+        rate = _rate(t, soft) * last / length
+        for axis in range(2):
+            p1 = float(ways[d, k, axis])
+            p2 = float(ways[d, k + 1, axis])
+            p0 = float(ways[d, k - 1, axis]) if k > 0 else 2.0 * p1 - p2
+            p3 = float(ways[d, k + 2, axis]) if k + 2 <= last else 2.0 * p2 - p1
+            c1 = 0.5 * (p2 - p0)
+            c2 = p0 - 2.5 * p1 + 2.0 * p2 - 0.5 * p3
+            c3 = 1.5 * (p1 - p2) + 0.5 * (p3 - p0)
+            position[a, axis] = p1 + u * (c1 + u * (c2 + u * c3))
+            velocity[a, axis] = (c1 + u * (2.0 * c2 + 3.0 * u * c3)) * rate
+
+
+@kernel("void(f8[::1], f4[:,:,::1], f8[:,::1], f8, i8, i8, f4[:,:,::1])")
+def sample_ways(
+    beats: Float64, ways: Float32, times: Float64, soft: float, first: int, last: int, sample: Float32
+) -> None:
+    """Places of the dancers `first` to `last` (not included) at T `beats`, into `sample` (T, D, 2) [m]: `places_at`'s.
+
+    Knots are joined by straight lines here, which is within millimetres where they lie dense.
+    """
+    final = ways.shape[1] - 1
+    for d in range(first, last):
+        begin, length = times[d, 0], times[d, 1] - times[d, 0]
+        for row in range(beats.shape[0]):
+            t = (beats[row] - begin) / length if length > 0.0 else (0.0 if beats[row] < begin else 1.0)
+            along = _share(min(max(t, 0.0), 1.0), soft) * final
+            k = min(int(along), final - 1)
+            u = along - k
+            for axis in range(2):
+                before = float(ways[d, k, axis])
+                sample[row, d, axis] = before + u * (float(ways[d, k + 1, axis]) - before)
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], u1[::1], f8, f8, f4[:,::1])")
+def track(
+    now: Float32,
+    position: Float32,
+    velocity: Float32,
+    under: Bytes,
+    beats_per_second: float,
+    within: float,
+    rows: Float32,
+) -> None:
+    """Ask dancers with under[a] to follow their ways: Wants.rows (A, 8) get velocity [m/s] and firmness.
+
+    `now` (A, 2) is where they are, `position` (A, 2) where they should be, `velocity` (A, 2) [m/beat] of the way;
+    what is missing is made up within about `within` seconds.
+    """
+    for a in range(now.shape[0]):
+        if under[a] == 0:
+            continue
+        for axis in range(2):
+            rows[a, _VX + axis] = velocity[a, axis] * beats_per_second + (position[a, axis] - now[a, axis]) / within
+        rows[a, _FIRM] = 1.0
+
+
+@kernel("void(f4[:,:,::1], i8, i8, f4[:,::1], f4[:,::1])")
+def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, when: Float32) -> None:
+    """How near pairs of dancers come: `sample` (T, D, 2) [m] at even times, linear between them.
+
+    Rows `first` to `last` (not included) of `distance` (D, D) [m] and `when` (D, D) (in samples) are filled for all
+    partners j, so a long job can be done in pieces; the diagonal becomes infinite.
+    """
+    times, count = sample.shape[0], sample.shape[1]
+    for i in range(first, last):
+        for j in range(count):
+            distance[i, j] = np.inf
+            when[i, j] = 0.0
+            if j == i:
+                continue
+            x0 = float(sample[0, j, 0]) - sample[0, i, 0]
+            z0 = float(sample[0, j, 1]) - sample[0, i, 1]
+            least, at = x0 * x0 + z0 * z0, 0.0
+            for k in range(1, times):
+                x1 = float(sample[k, j, 0]) - sample[k, i, 0]
+                z1 = float(sample[k, j, 1]) - sample[k, i, 1]
+                dx, dz = x1 - x0, z1 - z0
+                square = dx * dx + dz * dz
+                u = 1.0
+                if square > 1e-18:
+                    u = min(max(-(x0 * dx + z0 * dz) / square, 0.0), 1.0)
+                px, pz = x0 + u * dx, z0 + u * dz
+                gap = px * px + pz * pz
+                if gap < least:
+                    least, at = gap, k - 1 + u
+                x0, z0 = x1, z1
+            distance[i, j] = math.sqrt(least)
+            when[i, j] = at
+
+
+@kernel("i8(f8[:,::1], f8[:,::1], i4[::1], i4[::1], i8, i8)")
+def swap_pairs(start: Float64, slots: Float64, slot: Int32, section: Int32, first: int, last: int) -> int:
+    """Swap the slots of any two dancers of one section where that shortens the sum of squared ways.
+
+    Rows `first` to `last` (not included) are compared with all later ones; `slot` (D,) is changed in place, dancers
+    with slot -1 are left out. Returns how many were swapped; when a sweep over all rows returns 0, no two dancers on
+    synchronous straight ways come nearer than 1/√2 of the spacing (the argument of CAPT looks at pairs only).
+    """
+    swapped = 0
+    for i in range(first, last):
+        if slot[i] < 0:
+            continue
+        for j in range(i + 1, start.shape[0]):
+            if slot[j] < 0 or section[j] != section[i]:
+                continue
+            a, b = slot[i], slot[j]
+            gain = (start[j, 0] - start[i, 0]) * (slots[b, 0] - slots[a, 0])
+            gain += (start[j, 1] - start[i, 1]) * (slots[b, 1] - slots[a, 1])
+            if gain < -1e-9:
+                slot[i], slot[j] = b, a
+                swapped += 1
+    return swapped
+
+
+@kernel("void(f8[:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)")
+def _locate(place: Float64, sample: Float32, offset: Float32, d: int, k: int) -> None:
+    """Where dancer `d` is at time `k` as shifted so far, x and z [m] into `place` (2, D)."""
+    place[0, d] = sample[d, k, 0] + offset[d, k, 0]
+    place[1, d] = sample[d, k, 1] + offset[d, k, 1]
+
+
+@kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
+def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, freedom: float, seed: int) -> int:
+    """Divide and conquer (T101, Schulz 2011, 4.3.2): offsets (D, K, 2) that part ways that meet at the same time.
+
+    `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are looked at.
+    Where two dancers would be nearer than `clear` [m], both are shifted in opposite senses along one random direction
+    (drawn from `seed`, the pair and the time) until they are `excess` times that apart; later levels start from the
+    means of what the levels before have shifted. With `freedom` 1 every direction may be drawn, as in the thesis; with
+    less only those so near to square to their relative motion: shifted along it two still meet, a little later.
+    Returns how many pairs were parted.
+    """
+    count, knots = sample.shape[0], sample.shape[1]
+    for d in range(count):
+        for k in range(knots):
+            offset[d, k, 0] = 0.0
+            offset[d, k, 1] = 0.0
+    parted = 0
+    place, surely = np.empty((2, count)), clear * clear + 1e-3  # to leave out at once who is surely far enough away
+    half = (knots - 1) // 2
+    while half >= 1:
+        for k in range(half, knots - 1, 2 * half):
+            for d in range(count):
+                for axis in range(2):
+                    offset[d, k, axis] = 0.5 * (offset[d, k - half, axis] + offset[d, k + half, axis])
+                _locate(place, sample, offset, d, k)
+            for i in range(count):
+                for j in range(i + 1, count):
+                    x, z = place[0, j] - place[0, i], place[1, j] - place[1, i]
+                    if x * x + z * z > surely:
+                        continue
+                    x = float(sample[j, k, 0]) + offset[j, k, 0] - sample[i, k, 0] - offset[i, k, 0]
+                    z = float(sample[j, k, 1]) + offset[j, k, 1] - sample[i, k, 1] - offset[i, k, 1]
+                    square = x * x + z * z
+                    if square >= clear * clear:
+                        continue
+                    parted += 1
+                    dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
+                    dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
+                    square_to = 2.0 * _chance(seed, i * 65537 + j, k) - 1.0  # its sign is the side
+                    angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - freedom, square_to))
+                    angle += math.pi * freedom * square_to
+                    ux, uz = math.sin(angle), math.cos(angle)
+                    along = x * ux + z * uz
+                    if along < 0.0:  # the sense in which they part
+                        ux, uz, along = -ux, -uz, -along
+                    goal = (clear * excess) * (clear * excess)
+                    shift = 0.5 * (math.sqrt(max(along * along + goal - square, 0.0)) - along)
+                    offset[j, k, 0] += shift * ux
+                    offset[j, k, 1] += shift * uz
+                    offset[i, k, 0] -= shift * ux
+                    offset[i, k, 1] -= shift * uz
+                    _locate(place, sample, offset, i, k)
+                    _locate(place, sample, offset, j, k)
+        half //= 2
+    return parted
+
+
+@kernel("void(f4[:,:,::1])")
+def smooth_ways(offset: Float32) -> None:
+    """One pass of 1/4, 1/2, 1/4 along axis 1 of (D, K, 2); the ends stay."""
+    for d in range(offset.shape[0]):
+        for axis in range(2):
+            before = float(offset[d, 0, axis])
+            for k in range(1, offset.shape[1] - 1):
+                here = float(offset[d, k, axis])
+                offset[d, k, axis] = 0.25 * before + 0.5 * here + 0.25 * offset[d, k + 1, axis]
+                before = here
+
+
+APART = 0.01
+"""Who is so much [m] more than clear of another has not met her yet, whatever rounding does."""
+
+
+@kernel("void(f4[:,:,::1], f8[::1])")
+def longest_steps(ways: Float32, step: Float64) -> None:
+    """How far each dancer on `ways` (D, T, 2) [m] goes at most from one time to the next, `step` (D,) [m]."""
+    for d in range(ways.shape[0]):
+        longest = 0.0
+        for k in range(1, ways.shape[1]):
+            x, z = float(ways[d, k, 0]) - ways[d, k - 1, 0], float(ways[d, k, 1]) - ways[d, k - 1, 1]
+            longest = max(longest, x * x + z * z)
+        step[d] = math.sqrt(longest)
+
+
+@kernel("b1(f4[:,:,::1], i8, i8, f4, f8)")
+def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
+    """Whether two of the dancers on `ways` (D, T, 2) [m], at even times and linear between, come nearer than `clear`.
+
+    As `nearest_approach` measures it, but only as far as the first time; and since the two approach each other by
+    `step` [m] at most from one time to the next, times in which they cannot have met are left out.
+    """
+    x0, z0 = float(ways[j, 0, 0]) - ways[i, 0, 0], float(ways[j, 0, 1]) - ways[i, 0, 1]
+    if np.float32(math.sqrt(x0 * x0 + z0 * z0)) < clear:
+        return True
+    surely = (float(clear) + APART) ** 2  # a root is only taken near the bound
+    k = 1
+    while k < ways.shape[1]:
+        away = math.sqrt(x0 * x0 + z0 * z0) - clear - APART
+        if away > step:
+            k += int(min(away / max(step, 1e-9), float(ways.shape[1])))
+            if k >= ways.shape[1]:
+                return False
+            x0, z0 = float(ways[j, k - 1, 0]) - ways[i, k - 1, 0], float(ways[j, k - 1, 1]) - ways[i, k - 1, 1]
+        x1, z1 = float(ways[j, k, 0]) - ways[i, k, 0], float(ways[j, k, 1]) - ways[i, k, 1]
+        dx, dz = x1 - x0, z1 - z0
+        square = dx * dx + dz * dz
+        u = 1.0
+        if square > 1e-18:
+            u = min(max(-(x0 * dx + z0 * dz) / square, 0.0), 1.0)
+        px, pz = x0 + u * dx, z0 + u * dz
+        gap = px * px + pz * pz
+        if gap < surely and np.float32(math.sqrt(gap)) < clear:
+            return True
+        x0, z0 = x1, z1
+        k += 1
+    return False
+
+
+@kernel("i8(f4[:,:,::1], f8[::1], i8, i8, f4)")
+def count_meetings(ways: Float32, step: Float64, first: int, last: int, clear: float) -> int:
+    """How many of the dancers `first` to `last` (not included) come nearer than `clear` [m] to how many after them.
+
+    `ways` as in `meet`, `step` (D,) [m] by `longest_steps`.
+    """
+    meeting = 0
+    for i in range(first, last):
+        for j in range(i + 1, ways.shape[0]):
+            meeting += meet(ways, i, j, clear, step[i] + step[j])
+    return meeting

@@ -1,0 +1,201 @@
+"""Whither dancers face on their way: linear, tangent, declared; smoothed over measures (T102, T126-T128).
+
+Turns: where everybody faces on her way, as an orientation asks for it (T101-T103, T127).
+"""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.evolutions.evolution_kernels import profile
+from live.agents.evolutions.segment_start import Departure, Journey
+from live.agents.evolutions.trajectory import Locomotion
+
+Float64 = npt.NDArray[np.float64]
+
+TURN_KNOTS = 5
+"""Knots of a turn on the spot."""
+STILL = 1e-3
+"""A way shorter than this [m] has no direction."""
+
+
+class Facing(StrEnum):
+    """How the heading on the way comes about."""
+
+    LINEAR = "linear"
+    """Evenly from the first heading to the last, the shorter way round (T102 a)."""
+    TANGENT = "tangent"
+    """Turn, travel facing the way, turn again (T102 b)."""
+    MEASURES = "measures"
+    """One heading for each measure: where she travels in it, the last heading where she stands; smoothed (T126)."""
+    DECLARED = "declared"
+    """One heading for each measure, declared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Orientation:
+    """How dancers are to face on their way."""
+
+    facing: Facing = Facing.LINEAR
+    headings: tuple[float, ...] = ()
+    """For `Facing.DECLARED`: heading [rad] of each measure; the last one lasts."""
+    smooth: bool = True
+    """For headings by the measure: a quarter of the turn before, half of it in, a quarter after its measure (T127)."""
+    turn_beats: float = 1.0
+    """For `Facing.TANGENT`: beats that each turn on the spot takes, at most an eighth of the time."""
+
+
+def shortest_turn(before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
+    """The turn [rad] in [-π, π) that leads from one heading to another."""
+    difference = np.asarray(after, np.float64) - np.asarray(before, np.float64)
+    return np.asarray(difference - 2.0 * np.pi * np.floor((difference + np.pi) / (2.0 * np.pi)))
+
+
+def unwrap(headings: npt.ArrayLike) -> Float64:
+    """The same headings (..., N) [rad] without jumps of more than half a turn along the last axis."""
+    values = np.array(headings, np.float64)
+    turns = shortest_turn(values[..., :-1], values[..., 1:])
+    values[..., 1:] = values[..., :1] + np.cumsum(turns, axis=-1)
+    return values
+
+
+def smoothed(headings: npt.ArrayLike) -> Float64:
+    """O'(n) = O(n-1)/4 + O(n)/2 + O(n+1)/4 along the last axis, unwrapped first (T127, Schulz 2011, 5.2).
+
+    Beyond both ends the first and last heading go on.
+    """
+    values = unwrap(headings)
+    if values.shape[-1] < 2:
+        return values
+    padded = np.concatenate([values[..., :1], values, values[..., -1:]], axis=-1)
+    return np.asarray(0.25 * padded[..., :-2] + 0.5 * padded[..., 1:-1] + 0.25 * padded[..., 2:])
+
+
+def rotations(headings: npt.ArrayLike) -> Float64:
+    """What is turned in each measure: O(n) - O(n-1), shape (..., N - 1), unwrapped (T128)."""
+    return np.diff(unwrap(headings), axis=-1)
+
+
+def linear(times: Float64, before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
+    """Knots (D, 2, 2) of an even turn, the shorter way, over each dancer's own `times` (D, 2) [beats]."""
+    first = np.asarray(before, np.float64)
+    heading = np.stack([first, first + shortest_turn(first, after)], axis=1)
+    return np.ascontiguousarray(np.stack([times, heading], axis=-1))
+
+
+def by_measure(begin: float, measure_beats: float, before: npt.ArrayLike, headings: npt.ArrayLike) -> Float64:
+    """Knots (D, N + 1, 2) that reach heading n of `headings` (D, N) at the end of measure n after `begin` [beats]."""
+    series = unwrap(np.concatenate([np.asarray(before, np.float64)[:, None], np.asarray(headings, np.float64)], axis=1))
+    lines = begin + measure_beats * np.arange(series.shape[1])
+    return np.ascontiguousarray(np.stack([np.broadcast_to(lines, series.shape), series], axis=-1))
+
+
+def tangent(
+    ways: npt.NDArray[np.floating], shares: npt.ArrayLike, times: Float64, turn: float,
+    before: npt.ArrayLike, after: npt.ArrayLike,
+) -> Float64:  # fmt: skip
+    """Turn on the spot, face the way, turn again: knots (D, H, 2) (T102 b).
+
+    `ways` (D, K, 2) are travelled within `times` (D, 2) [beats]; knot k is passed at the share `shares` (K,) of that
+    time. The turns take `turn` [beats] before and after. Who has no way turns evenly from the first heading to the
+    last; where a way rests, the direction before counts.
+    """
+    knots = np.asarray(ways, np.float64)
+    first, last = np.asarray(before, np.float64), np.asarray(after, np.float64)
+    share = np.asarray(shares, np.float64)
+    moving, direction = _directions(knots)
+    middle = (share[:-1] + share[1:]) / 2.0
+    travel = times[:, :1] + middle[None] * (times[:, 1:] - times[:, :1])
+    ramp = np.linspace(0.0, 1.0, TURN_KNOTS)
+    ease = ramp * ramp * (3.0 - 2.0 * ramp)
+    start, end = times[:, :1], times[:, 1:]
+    series = unwrap(np.concatenate([first[:, None], direction, last[:, None]], axis=1))
+    opening = series[:, :1] + ease * (series[:, 1:2] - series[:, :1])
+    closing = series[:, -2:-1] + ease * (series[:, -1:] - series[:, -2:-1])
+    beats = np.concatenate([start - turn + ramp * turn, travel, end + ramp * turn], axis=1)
+    facing = np.concatenate([opening, series[:, 1:-1], closing], axis=1)
+    whole = (beats - beats[:, :1]) / np.maximum(beats[:, -1:] - beats[:, :1], 1e-9)
+    still = first[:, None] + whole * shortest_turn(first, last)[:, None]
+    facing = np.where(moving[:, None], facing, still)
+    return np.ascontiguousarray(np.stack([beats, facing], axis=-1))
+
+
+def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: float = 0.1) -> Float64:
+    """Heading of each measure (D, N) from places at the measure lines (N + 1, D, 2): the way, or `rest` (D,) (T126).
+
+    A measure in which a dancer comes less than `still` [m] away has the heading `rest`: facing the public, as a rule.
+    """
+    steps = np.diff(np.asarray(places, np.float64), axis=0).transpose(1, 0, 2)
+    heading = np.arctan2(steps[..., 0], steps[..., 1])
+    resting = np.broadcast_to(np.asarray(rest, np.float64)[:, None], heading.shape)
+    return np.where(np.hypot(steps[..., 0], steps[..., 1]) < still, resting, heading)
+
+
+def final_direction(ways: npt.NDArray[np.floating], rest: npt.ArrayLike) -> Float64:
+    """Where each way (D, K, 2) leads at its end, shape (D,) [rad]; `rest` (D,) for who has no way."""
+    moving, direction = _directions(np.asarray(ways, np.float64))
+    return np.where(moving, direction[:, -1], np.asarray(rest, np.float64))
+
+
+def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
+    """Who moves at all (D,), and the direction of each piece (D, K - 1); pieces at rest take that of the last one."""
+    steps = np.diff(knots, axis=1)
+    length = np.hypot(steps[..., 0], steps[..., 1])
+    direction = np.arctan2(steps[..., 0], steps[..., 1])
+    goes = length > STILL / max(length.shape[1], 1)
+    moving = goes.any(axis=1)
+    piece = np.where(goes, np.arange(length.shape[1]), -1)
+    piece = np.maximum.accumulate(piece, axis=1)
+    piece = np.where(piece < 0, np.argmax(goes, axis=1)[:, None], piece)
+    return moving, np.take_along_axis(direction, piece, axis=1)
+
+
+def turn_beats(facing: Orientation, departure: Departure) -> float:
+    """Beats for each turn on the spot, which the way has to leave."""
+    if facing.facing is not Facing.TANGENT:
+        return 0.0
+    return min(max(facing.turn_beats, 0.0), (departure.end - departure.begin) / 8.0)
+
+
+def turned(
+    journey: Journey, facing: Orientation, departure: Departure, after: npt.ArrayLike, *, closing: bool
+) -> Journey:
+    """The same with the headings asked for; `closing` says whether the last heading must be met exactly."""
+    moved, before, last = journey.locomotion, departure.heading, np.asarray(after, np.float64)
+    if facing.facing is Facing.LINEAR:
+        turns = linear(moved.times, before, last)
+    elif facing.facing is Facing.TANGENT:
+        shares = _knot_shares(moved)
+        turns = tangent(moved.ways, shares, moved.times, turn_beats(facing, departure), before, last)
+    else:
+        turns = _measure_turns(moved, facing, departure, last, closing)
+    return replace(journey, locomotion=replace(moved, turns=turns))
+
+
+def _knot_shares(moved: Locomotion) -> Float64:
+    """The share of the time at which each knot of a way is passed, shape (K,)."""
+    fine = np.linspace(0.0, 1.0, 513)
+    gone = np.array([profile(float(t), moved.soft) for t in fine])
+    return np.interp(np.linspace(0.0, 1.0, moved.ways.shape[1]), gone, fine)
+
+
+def _measure_turns(
+    moved: Locomotion, facing: Orientation, departure: Departure, last: Float64, closing: bool
+) -> Float64:
+    measures = max(1, round((departure.end - departure.begin) / departure.measure_beats))
+    lines = departure.begin + departure.measure_beats * np.arange(measures + 1)
+    if facing.facing is Facing.DECLARED:
+        declared = facing.headings or (0.0,)
+        series = np.array([declared[min(n, len(declared) - 1)] for n in range(measures)])
+        headings = np.broadcast_to(series, (moved.count, measures))
+        last, closing = headings[:, -1], False
+    else:
+        headings = travelled(moved.sampled(lines)[0], last)
+    if facing.smooth:
+        around = np.concatenate([departure.heading[:, None], headings, last[:, None]], axis=1)
+        headings = smoothed(around)[:, 1:-1]
+    if closing:
+        headings = np.concatenate([headings[:, :-1], last[:, None]], axis=1)
+    return by_measure(departure.begin, departure.measure_beats, departure.heading, headings)

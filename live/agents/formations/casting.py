@@ -1,0 +1,145 @@
+"""Soloists: in front of the others, or in the middle, where the others make room (T093).
+
+Sections kept together: dancers of one section get neighbouring places (T090, T104).
+
+Where dancers of a formation face (T090, T102): the public, the middle, outwards, along the line, or an angle.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from live.agents.formations.drawing import Curve, Drawing, curve_of, met
+from live.agents.formations.formation_spec import FormationSpec
+from live.agents.formations.line_placement import share
+from live.agents.formations.symmetry import SymmetryLine
+
+Float64 = npt.NDArray[np.float64]
+
+
+def soloist_places(spec: FormationSpec, drawing: Drawing, others: Float64) -> Float64:
+    """Where the soloists stand, shape (K, 2): side by side in front of all `others` (S, 2), or around the middle."""
+    gap, number = spec.soloist_gap, spec.soloists
+    if spec.soloist_place == "centre":
+        return _around(drawing.middle, number, gap)
+    front = float(others[:, 1].max()) if len(others) else drawing.middle[1] - gap
+    x = drawing.middle[0] + gap * (np.arange(number) - (number - 1) / 2)
+    return np.stack([x, np.full(number, front + gap)], axis=1)
+
+
+def _around(middle: tuple[float, float], number: int, gap: float) -> Float64:
+    if number == 1:
+        return np.array([middle])
+    angle = 2.0 * math.pi * np.arange(number) / number
+    radius = gap / (2.0 * math.sin(math.pi / number))
+    return np.array(middle) + radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+
+def make_room(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Drawing:
+    """The drawing without what lies nearer to soloists in the middle than their gap.
+
+    PersonError if nothing is left for the others.
+    """
+    if spec.soloists == 0 or spec.soloist_place != "centre":
+        return drawing
+    taken: Any = shapely.MultiPoint(_around(drawing.middle, spec.soloists, spec.soloist_gap)).buffer(spec.soloist_gap)
+    if line is not None:
+        taken = taken.union(line.reflect_shape(taken))
+    curves = []
+    for curve in drawing.curves:
+        drawn = shapely.LineString(curve.points)
+        if not drawn.intersects(taken):
+            curves.append(curve)
+            continue
+        parts = [part for part in shapely.get_parts(drawn.difference(taken)) if part.length > 1e-9]
+        merged = shapely.get_parts(shapely.line_merge(shapely.MultiLineString(parts))) if parts else []
+        left = [curve_of(shapely.get_coordinates(part), closed=False) for part in merged]
+        curves += [each for each in left if each is not None]
+    region = None if drawing.region is None else drawing.region.difference(taken)
+    if (region is None and not curves) or (region is not None and region.area < 0.1 * drawing.region.area):
+        spec.refuse(
+            "soloist_gap", "the soloists in the middle leave no room for the others", "a smaller gap or a larger size"
+        )
+    if region is not None:
+        shapely.prepare(region)
+    return Drawing(met(curves), region, drawing.middle)
+
+
+Int64 = npt.NDArray[np.int64]
+
+
+def section_sizes(wished: tuple[int, ...], count: int) -> list[int]:
+    """Sizes of sections that together are `count`: as wished, or in the same proportions."""
+    if sum(wished) == count:
+        return list(wished)
+    sizes = np.array(wished, np.float64)
+    return [int(each) for each in share(count, sizes, np.zeros(len(sizes)), np.zeros(len(sizes), np.int64))]
+
+
+def sections_along(sizes: list[int]) -> Int64:
+    """Section (from 0) of each place, in the order along the lines, shape (sum of sizes,)."""
+    return np.repeat(np.arange(len(sizes), dtype=np.int64), sizes)
+
+
+def sections_in_area(places: Float64, sizes: list[int]) -> Int64:
+    """Section (from 0) of each of the places (S, 2): the area is halved across its longer side again and again.
+
+    Sections come from left to right, then from front to back, in their order.
+    """
+    section = np.zeros(len(places), np.int64)
+    _halve(places, np.arange(len(places)), sizes, 0, section)
+    return section
+
+
+def _halve(places: Float64, members: Int64, sizes: list[int], first: int, section: Int64) -> None:
+    if len(sizes) == 1:
+        section[members] = first
+        return
+    cut = min(range(1, len(sizes)), key=lambda n: abs(2 * sum(sizes[:n]) - sum(sizes)))
+    x, z = np.round(places[members], 9).T
+    wide = len(members) > 0 and np.ptp(x) >= np.ptp(z)
+    ordered = members[np.lexsort((-z, x) if wide else (x, -z))]
+    taken = sum(sizes[:cut])
+    _halve(places, ordered[:taken], sizes[:cut], first, section)
+    _halve(places, ordered[taken:], sizes[cut:], first + cut, section)
+
+
+def headings(
+    spec: FormationSpec, places: Float64, ways: Float64 | None, middle: Float64, curves: Sequence[Curve]
+) -> Float64:
+    """Heading of each of the places (S, 2) [rad], in [-π, π), shape (S,).
+
+    `ways` (S, 2) are unit vectors along the lines, None for dancers inside: they face along the nearest line.
+    Who stands in the very middle faces the public.
+    """
+    if spec.heading == "public" or not len(places):
+        return np.zeros(len(places))
+    if spec.heading == "angle":
+        return np.full(len(places), _wrapped(np.array(math.radians(spec.heading_deg))))
+    if spec.heading == "along":
+        way = _nearest_ways(places, curves) if ways is None else ways
+    else:
+        way = middle - places if spec.heading == "centre" else places - middle
+        way = np.where((np.hypot(way[:, 0], way[:, 1]) < 1e-6)[:, None], np.array([0.0, 1.0]), way)
+    return _wrapped(np.arctan2(way[:, 0], way[:, 1]))
+
+
+def _wrapped(angle: Float64) -> Float64:
+    return np.asarray(np.mod(angle + math.pi, 2.0 * math.pi) - math.pi)
+
+
+def _nearest_ways(places: Float64, curves: Sequence[Curve]) -> Float64:
+    """Unit vectors along the line nearest to each of the places, shape (S, 2)."""
+    points = shapely.points(places)
+    drawn = np.array([shapely.LineString(curve.points) for curve in curves])
+    nearest = np.argmin([shapely.distance(line, points) for line in drawn], axis=0)
+    ways = np.zeros_like(places)
+    for n, curve in enumerate(curves):
+        own = nearest == n
+        at = shapely.line_locate_point(drawn[n], points[own])
+        ways[own] = curve.tangent(np.asarray(at, np.float64))
+    return ways

@@ -1,0 +1,346 @@
+"""What a formation is to be: shape, density, pattern and the rest, as one frozen value (T087, T090-T093).
+
+Metres and degrees; a point is (x, z) on the stage: +x to the right as the audience sees it, +z towards the audience.
+
+What the fields of a formation may be: words, ranges, and what goes together (T090-T093).
+
+A formation as a table of TOML or JSON, and back (T087: stored once, referenced by name).
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal, NoReturn
+
+from live.base.errors import PersonError
+
+SHAPES: Final = (
+    "grid",
+    "line",
+    "arc",
+    "circle",
+    "ellipse",
+    "polygon",
+    "rectangle",
+    "star",
+    "spiral",
+    "text",
+    "path",
+    "polyline",
+)
+PATTERNS: Final = ("even", "weighted", "grid", "diagonal", "concentric", "poisson")
+INSIDE_PATTERNS: Final = ("grid", "diagonal", "concentric", "poisson")
+MOST_DANCERS: Final = 4000
+MOST_POINTS: Final = 20_000
+LONGEST_TEXT: Final = 40
+LONGEST_PATH: Final = 200_000
+FARTHEST: Final = 1000.0
+"""No place of a formation lies farther than this from the centre of the stage [m]."""
+
+
+def check_spec(spec: Any) -> None:
+    """Raise the PersonError of the first field of a FormationSpec that cannot be (it is `Any`: it imports this)."""
+    for check in (_check_words, _check_numbers, _check_sections, _check_shape, _check_points, _check_pattern):
+        check(spec)
+    _check_mirror(spec)
+
+
+_WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "shape": SHAPES,
+    "pattern": PATTERNS,
+    "proportions": ("keep", "stretch"),
+    "dancers": ("on", "inside"),
+    "mirror_keep": ("left", "right", "front", "back"),
+    "soloist_place": ("front", "centre"),
+    "heading": ("public", "centre", "outwards", "along", "angle"),
+}
+_RANGES: Final[dict[str, tuple[float, float]]] = {
+    "rotation_deg": (-3600, 3600),
+    "inner": (0.05, 0.95),
+    "turns": (0.25, 20),
+    "arc_deg": (1, 359),
+    "focus_reach": (0.1, 100),
+    "focus_strength": (0, 100),
+    "density": (0.001, 100),
+    "spacing": (0.1, 100),
+    "soloist_gap": (0.1, 50),
+    "heading_deg": (-3600, 3600),
+}
+_WHOLE: Final[dict[str, tuple[int, int]]] = {"corners": (3, 100), "count": (0, MOST_DANCERS), "soloists": (0, 100)}
+
+
+def _check_words(spec: Any) -> None:
+    if not isinstance(spec.name, str) or len(spec.name) > 64:
+        spec.refuse("name", "a name of 64 letters at most expected")
+    for field in ("closed", "mark_corners"):
+        if getattr(spec, field) not in (None, True, False):
+            spec.refuse(field, "true or false expected")
+    for field, allowed in _WORDS.items():
+        value = getattr(spec, field)
+        if value is not None and value not in allowed:
+            spec.refuse(field, f"{str(value)[:60]!r} is unknown; there are: {', '.join(allowed)}")
+
+
+def _check_numbers(spec: Any) -> None:
+    for field, (low, high) in {**_RANGES, **_WHOLE}.items():
+        value = getattr(spec, field)
+        whole = field in _WHOLE
+        if value is None and (field in ("density", "spacing", "count")):
+            continue
+        if not _is_number(value) or (whole and value != int(value)) or not low <= value <= high:
+            kind = "a whole number" if whole else "a number"
+            spec.refuse(field, f"{str(value)[:60]}: {kind} from {low:g} to {high:g} expected")
+    _check_point(spec, "centre", spec.centre, 100)
+    if spec.focus is not None:
+        _check_point(spec, "focus", spec.focus, FARTHEST)
+    if spec.size is not None:
+        _check_point(spec, "size", spec.size, 200)
+        if min(spec.size) < 0.1 and not (spec.shape == "line" and spec.size[0] >= 0.1 and spec.size[1] >= 0):
+            spec.refuse("size", f"{spec.size[0]:g} x {spec.size[1]:g} m: each from 0.1 to 200 m expected")
+    if len([value for value in (spec.count, spec.density, spec.spacing) if value is not None]) > 1:
+        spec.refuse(
+            "count", "only one of count, density and spacing can be given: each says how many dancers there are"
+        )
+    for field, most in (("weights", 1000.0), ("sections", float(MOST_DANCERS))):
+        values = getattr(spec, field)
+        if not isinstance(values, tuple) or not all(_is_number(each) and 0 <= each <= most for each in values):
+            spec.refuse(field, f"numbers from 0 to {most:g} expected")
+        if values and not (len(values) <= 1000 and sum(values) > 0):
+            spec.refuse(field, "at most 1000 numbers, one of them above 0, expected")
+
+
+def _check_sections(spec: Any) -> None:
+    names = spec.section_names
+    if not isinstance(names, tuple) or not all(isinstance(name, str) and 0 < len(name) <= 64 for name in names):
+        spec.refuse("section_names", "words of 1 to 64 letters expected")
+    if names and len(names) != len(spec.sections):
+        spec.refuse("section_names", f"{len(names)} names for {len(spec.sections)} sections")
+
+
+def _check_shape(spec: Any) -> None:
+    if spec.shape == "text" and not (isinstance(spec.text, str) and spec.text.strip()):
+        spec.refuse("text", "the letters of the text expected", 'text = "LIVE"')
+    if not isinstance(spec.text, str) or len(spec.text) > LONGEST_TEXT:
+        spec.refuse("text", f"{LONGEST_TEXT} letters at most expected")
+    if spec.shape == "path" and not spec.path:
+        spec.refuse("path", "an SVG path expected", 'path = "M 0 0 C 2 3 4 3 6 0"')
+    if not isinstance(spec.path, tuple) or not all(isinstance(each, str) for each in spec.path):
+        spec.refuse("path", "SVG paths as texts expected")
+    if sum(map(len, spec.path)) > LONGEST_PATH:
+        spec.refuse("path", f"longer than {LONGEST_PATH} signs", "draw it with fewer points")
+
+
+def _check_points(spec: Any) -> None:
+    if spec.shape == "polyline" and not spec.points:
+        spec.refuse("points", "a list of points [x, z] expected", "points = [[-3, 0], [0, -2], [3, 0]]")
+    if spec.points and spec.shape not in ("polyline", "polygon"):
+        spec.refuse(
+            "points",
+            f"points draw a line or an outline, and the shape is {spec.shape!r} (grid, if none is written)",
+            "add shape = 'polyline' or 'polygon', or leave points out",
+        )
+    if not isinstance(spec.points, tuple) or not all(isinstance(line, tuple) for line in spec.points):
+        spec.refuse("points", "a list of points [x, z], or several such lists, expected", "points = [[-3, 0], [3, 0]]")
+    if sum(map(len, spec.points)) > MOST_POINTS:
+        spec.refuse("points", f"more than {MOST_POINTS} points", "draw with fewer points")
+    if spec.shape == "polygon" and len(spec.points) > 1:
+        spec.refuse("points", "a polygon has one line", "several lines are shape = 'polyline'")
+    for line in spec.points:
+        if len(line) < 2:
+            spec.refuse("points", "a line needs two points at least")
+        for point in line:
+            _check_point(spec, "points", point, FARTHEST)
+
+
+def _check_pattern(spec: Any) -> None:
+    if spec.pattern == "weighted" and not spec.weights and spec.focus is None:
+        spec.refuse("pattern", "weighted needs weights along the line, or a focus", "focus = [0, 2]")
+    if spec.inside and spec.weights:
+        spec.refuse("weights", "weights run along lines; inside a shape a focus says where dancers are denser")
+    if spec.pattern in INSIDE_PATTERNS and spec.dancers == "on":
+        spec.refuse("pattern", f"{spec.pattern!r} is for dancers inside; on lines: even or weighted")
+    if spec.pattern in (*INSIDE_PATTERNS, "even") and (spec.weights or spec.focus is not None):
+        spec.refuse("pattern", f"{spec.pattern!r} knows no weights and no focus", "pattern = 'weighted'")
+    if spec.shape == "grid" and (spec.dancers == "on" or spec.pattern not in (None, "even")):
+        spec.refuse("pattern", "a grid is rows already", "shape = 'rectangle' takes all patterns")
+    if spec.shape == "grid" and (spec.weights or spec.focus is not None):
+        spec.refuse("pattern", "a grid is even rows", "shape = 'rectangle' with pattern = 'weighted'")
+    if spec.density is not None and not spec.inside and spec.shape != "grid":
+        spec.refuse("density", "is for dancers inside a shape; on lines give the spacing", "spacing = 1.0")
+
+
+def _check_mirror(spec: Any) -> None:
+    mirror = spec.mirror
+    if mirror is not None and spec.shape == "grid":
+        spec.refuse(
+            "mirror", "a grid is staggered rows, which have no symmetry", "shape = 'rectangle', pattern = 'grid'"
+        )
+    if mirror is None or mirror in ("left-right", "front-back"):
+        return
+    if not isinstance(mirror, tuple) or len(mirror) != 2:
+        spec.refuse("mirror", "'left-right', 'front-back' or two points expected", "mirror = [[0, -4], [0, 4]]")
+    for point in mirror:
+        _check_point(spec, "mirror", point, FARTHEST)
+    if math.dist(mirror[0], mirror[1]) < 1e-3:
+        spec.refuse("mirror", "both points are the same: there is no line through them")
+
+
+def _check_point(spec: Any, field: str, point: object, most: float) -> None:
+    pair = isinstance(point, tuple) and len(point) == 2
+    if not (pair and isinstance(point, tuple) and all(_is_number(each) and abs(each) <= most for each in point)):
+        spec.refuse(field, f"{str(point)[:60]}: two numbers up to {most:g} m expected")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+Point = tuple[float, float]
+Shape = Literal[
+    "grid", "line", "arc", "circle", "ellipse", "polygon", "rectangle", "star", "spiral", "text", "path", "polyline"
+]
+Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson"]
+
+
+@dataclass(frozen=True, slots=True)
+class FormationSpec:
+    """A formation as a choreographer wishes it; every field has a meaning only where it is named.
+
+    PersonError, naming the field, if a value cannot be.
+    """
+
+    shape: Shape = "grid"
+    """Lines on the floor; "grid" is staggered rows that fill `size`."""
+    name: str = ""
+    """What others call it by."""
+    centre: Point = (0.0, 0.0)
+    """Middle of the formation (x, z) [m]; `points` without a `size` are moved by it."""
+    size: Point | None = None
+    """Width and depth [m] into which the shape is fitted; left out: 8 x 5, and `points` stay as drawn."""
+    proportions: Literal["keep", "stretch"] | None = None
+    """Whether the shape keeps its proportions in `size`; left out: line, grid, rectangle, ellipse, and a circle
+    with a `size`, are stretched, all others keep them."""
+    rotation_deg: float = 0.0
+    """The shape is turned about its middle; positive turns its front towards +x."""
+    corners: int = 5
+    """Corners of a polygon without points, points of a star."""
+    inner: float = 0.4
+    """Inner radius of a star as a share of the outer one."""
+    turns: float = 2.5
+    """Turns of a spiral."""
+    arc_deg: float = 180.0
+    """How much of a circle an arc is; its middle lies at the back, so that it opens to the public."""
+    text: str = ""
+    """Letters A to Z, digits, blanks and hyphens of a text, readable from the public."""
+    path: tuple[str, ...] = ()
+    """SVG paths (the text of `d`); their y points to the public."""
+    points: tuple[tuple[Point, ...], ...] = ()
+    """Drawn lines, each a tuple of points (x, z) [m]; a polygon has one."""
+    closed: bool | None = None
+    """Whether drawn lines are closed; left out: if the last point is the first one, or dancers are inside."""
+    dancers: Literal["on", "inside"] | None = None
+    """On the lines or inside closed ones; left out: as the pattern needs it, else on."""
+    pattern: Pattern | None = None
+    """On lines: even or weighted. Inside: even, weighted, grid, diagonal, concentric, poisson. Left out: even, or
+    weighted where weights or a focus are given."""
+    mark_corners: bool | None = None
+    """Whether corners of lines get a dancer before the rest; left out: for text, polygon, rectangle and star."""
+    weights: tuple[float, ...] = ()
+    """How dense dancers are along each line, at equal distances from its start to its end."""
+    focus: Point | None = None
+    """A place (x, z) [m] around which dancers are denser."""
+    focus_reach: float = 2.0
+    """How far the focus reaches [m]."""
+    focus_strength: float = 3.0
+    """How much denser they are at the focus than far from it: 1 + this."""
+    count: int | None = None
+    """How many places there are, soloists included; left out: as many as dancers, or as density or spacing say."""
+    density: float | None = None
+    """Dancers per square metre inside; the count follows."""
+    spacing: float | None = None
+    """Distance between neighbours [m]; the count follows."""
+    mirror: Literal["left-right", "front-back"] | tuple[Point, Point] | None = None
+    """Symmetry line: from back to front or from side to side through the centre, or through two points."""
+    mirror_keep: Literal["left", "right", "front", "back"] | None = None
+    """The side of the symmetry line that is reflected over it, as the audience sees it; left out: left, else back."""
+    soloists: int = 0
+    """How many dancers stand apart from the others."""
+    soloist_place: Literal["front", "centre"] = "front"
+    """In front of the others, or in the middle of the shape, where the others make room."""
+    soloist_gap: float = 1.5
+    """How far from the others [m]."""
+    sections: tuple[int, ...] = ()
+    """Sizes of sections whose dancers get neighbouring places; shares, if their sum is another than the count."""
+    section_names: tuple[str, ...] = ()
+    """A word for each section: dancers who have it as an attribute get its places."""
+    heading: Literal["public", "centre", "outwards", "along", "angle"] = "public"
+    """Where dancers face: the public, the middle, away from it, along the line, or `heading_deg`."""
+    heading_deg: float = 0.0
+    """Heading for "angle": 0 faces the public, positive towards +x."""
+
+    def __post_init__(self) -> None:
+        check_spec(self)
+
+    @property
+    def inside(self) -> bool:
+        """Whether dancers are inside closed lines, not on them."""
+        if self.dancers is not None:
+            return self.dancers == "inside"
+        return self.pattern in INSIDE_PATTERNS
+
+    @property
+    def distribution(self) -> Pattern:
+        """The pattern, also where it is left out."""
+        if self.pattern is not None:
+            return self.pattern
+        return "weighted" if self.weights or self.focus is not None else "even"
+
+    def refuse(self, field: str, what: str, remedy: str | None = None) -> NoReturn:
+        """Raise a PersonError that names this formation and the field."""
+        named = f"formation {self.name!r}" if isinstance(self.name, str) and self.name else "formation"
+        raise PersonError(f"{named}: {field}: {what}", remedy)
+
+
+_FIELDS: Final = {field.name: field.default for field in dataclasses.fields(FormationSpec)}
+
+
+def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> FormationSpec:
+    """The spec that a table says; keys are the fields of FormationSpec. PersonError, naming the key, if it is none.
+
+    `where` names the table in the message. `path` may be one text, `points` one line or several.
+    """
+    if not isinstance(table, Mapping):
+        raise PersonError(f"{where}: a table expected, not {type(table).__name__}")
+    unknown = [str(key) for key in table if key not in _FIELDS]
+    if unknown:
+        raise PersonError(f"{where}: {unknown[0][:60]!r} is no key of a formation; there are: {', '.join(_FIELDS)}")
+    values = {key: _plain(value) for key, value in table.items()}
+    if isinstance(values.get("path"), str):
+        values["path"] = (values["path"],)
+    points = values.get("points")
+    if isinstance(points, tuple) and points and _is_point(points[0]):
+        values["points"] = (points,)
+    try:
+        return FormationSpec(**values)
+    except TypeError:  # nested otherwise than any value of that field can be
+        raise PersonError(f"{where}: a value is nested otherwise than expected", "compare docs/formations.md") from None
+
+
+def spec_to_table(spec: FormationSpec) -> dict[str, Any]:
+    """What differs from the defaults, as a table that TOML and JSON can hold; `spec_from_table` gives the same spec."""
+    table = {name: getattr(spec, name) for name, default in _FIELDS.items() if getattr(spec, name) != default}
+    return {"shape": spec.shape, **{name: _lists(value) for name, value in table.items()}}
+
+
+def _plain(value: Any) -> Any:
+    """Lists as tuples, all the way down."""
+    return tuple(_plain(each) for each in value) if isinstance(value, list | tuple) else value
+
+
+def _lists(value: Any) -> Any:
+    return [_lists(each) for each in value] if isinstance(value, tuple) else value
+
+
+def _is_point(value: object) -> bool:
+    return isinstance(value, tuple) and len(value) > 0 and not isinstance(value[0], tuple)

@@ -1,0 +1,259 @@
+"""The little language of groups: ``chorus & left - 1-4 + soloist`` becomes a tree (T104, T147).
+
+::
+
+group = term { ("+" | "-") term }        with, without; from left to right
+term  = atom { "&" atom }                who is both
+atom  = 7 | 3-7 | word | "(" group ")"   a dancer, dancers from-to, a name, attribute or place
+
+Selection: an expression, the dancers and where they stand now → who is meant (T104, Schulz 2011, 4.3.3).
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.groups.roster import ALL_WORDS, PLACE_WORDS, Mask, Roster
+from live.base.errors import PersonError
+
+LONGEST = 400
+"""Characters an expression may have; what comes from the network is bounded by it."""
+DEEPEST = 20
+"""Brackets within brackets."""
+
+_TOKEN = re.compile(r"\s*(?:(\d{1,6})-(\d{1,6})(?!\w)|(\d{1,6})(?!\w)|([^\W\d]\w*(?:-\w+)*)|([-+&()]))", re.UNICODE)
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """Dancers `first` to `last`, both included, counted from 1."""
+
+    first: int
+    last: int
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A group's name, an attribute, a place, or everyone."""
+
+    word: str
+
+
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """`left` with (+), without (-) or at the same time (&) `right`."""
+
+    sign: str
+    left: "Expression"
+    right: "Expression"
+
+
+Expression = Numbers | Word | Combined
+
+
+class _Reader:
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._tokens = self._split(text)
+        self._next = 0
+
+    def wrong(self, what: str) -> PersonError:
+        return PersonError(
+            f"group {self._text!r}: {what}",
+            "write names, attributes, places or numbers (7, 3-7) joined by + (with), - (without) or & (both)",
+        )
+
+    def _split(self, text: str) -> list[tuple[str, str]]:
+        tokens, at, text = [], 0, text.rstrip()
+        while at < len(text):
+            match = _TOKEN.match(text, at)
+            if match is None:
+                raise self.wrong(f"cannot be read from {text[at : at + 12].strip()!r} on")
+            first, last, number, word, sign = match.groups()
+            if first is not None:
+                tokens.append(("numbers", f"{first}-{last}"))
+            elif number is not None:
+                tokens.append(("numbers", f"{number}-{number}"))
+            elif word is not None:
+                tokens.append(("word", word))
+            else:
+                tokens.append(("sign", sign))
+            at = match.end()
+        return tokens
+
+    def sign(self, allowed: str) -> str | None:
+        """The next sign if it is one of `allowed`; then it is taken."""
+        if self._next < len(self._tokens):
+            kind, text = self._tokens[self._next]
+            if kind == "sign" and text in allowed:
+                self._next += 1
+                return text
+        return None
+
+    def group(self, depth: int = 0) -> Expression:
+        result = self.term(depth)
+        while (sign := self.sign("+-")) is not None:
+            result = Combined(sign, result, self.term(depth))
+        return result
+
+    def term(self, depth: int) -> Expression:
+        result = self.atom(depth)
+        while self.sign("&") is not None:
+            result = Combined("&", result, self.atom(depth))
+        return result
+
+    def atom(self, depth: int) -> Expression:
+        if self.sign("(") is not None:
+            if depth >= DEEPEST:
+                raise self.wrong(f"has more than {DEEPEST} brackets within brackets")
+            inner = self.group(depth + 1)
+            if self.sign(")") is None:
+                raise self.wrong("a bracket is not closed")
+            return inner
+        if self._next >= len(self._tokens):
+            raise self.wrong("something is missing at the end" if self._tokens else "says nothing")
+        kind, text = self._tokens[self._next]
+        self._next += 1
+        if kind == "numbers":
+            first, last = map(int, text.split("-"))
+            if not 1 <= first <= last:
+                raise self.wrong(f"dancers {text} do not exist: numbers count from 1, the smaller one first")
+            return Numbers(first, last)
+        if kind == "word":
+            return Word(text)
+        raise self.wrong(f"{text!r} stands where a name or number is needed")
+
+    def whole(self) -> Expression:
+        result = self.group()
+        if self._next < len(self._tokens):
+            raise self.wrong(f"{self._tokens[self._next][1]!r} is one too many: join with +, - or &")
+        return result
+
+
+@lru_cache(maxsize=512)
+def parse(text: str) -> Expression:
+    """Read an expression; PersonError says what cannot be read."""
+    if len(text) > LONGEST:
+        raise PersonError(f"a group of {len(text)} characters", f"at most {LONGEST}; name parts of it")
+    return _Reader(text).whole()
+
+
+Places = npt.NDArray[np.floating]
+
+
+def selection(
+    expression: str,
+    roster: Roster,
+    positions: Places | None = None,
+    half: tuple[float, float] = (6.0, 4.0),
+) -> Mask:
+    """Who is meant by `expression`, shape (A,).
+
+    `positions` (A, 2) [m] is needed where the expression names places; `half` is half the stage's width and depth
+    [m]. Left is x < 0 and right the rest, back is z < 0 and front the rest, so halves cover everybody; centre is the
+    middle half both ways. An empty expression means everyone. A PersonError says what nobody is.
+    """
+    if not expression.strip():
+        return np.ones(roster.count, np.bool_)
+    whole = expression.strip()
+    if whole in roster.known or roster.having(whole).any():  # it is one name, which may hold blanks
+        return roster.having(whole)
+    return _evaluate(parse(expression), roster, positions, half, ())
+
+
+def needs_places(expression: str, roster: Roster) -> bool:
+    """Whether who is meant depends on where the dancers stand."""
+    if not expression.strip():
+        return False
+    return _names_places(parse(expression), roster, ())
+
+
+def divide(
+    parts: Sequence[str],
+    roster: Roster,
+    positions: Places | None = None,
+    half: tuple[float, float] = (6.0, 4.0),
+    within: Mask | None = None,
+) -> list[Mask]:
+    """Divide `within` (A,) into `parts`: one mask for each, nobody in two (the first part that means her counts).
+
+    One mask more holds who is left over. Dividing a part again is calling this with the part as `within`.
+    """
+    left = np.ones(roster.count, np.bool_) if within is None else within.copy()
+    masks: list[Mask] = []
+    for part in parts:
+        mask = left & selection(part, roster, positions, half)
+        masks.append(mask)
+        left &= ~mask
+    return [*masks, left]
+
+
+def _evaluate(
+    node: Expression, roster: Roster, positions: Places | None, half: tuple[float, float], inside: tuple[str, ...]
+) -> Mask:
+    if isinstance(node, Combined):
+        left = _evaluate(node.left, roster, positions, half, inside)
+        right = _evaluate(node.right, roster, positions, half, inside)
+        return left | right if node.sign == "+" else left & right if node.sign == "&" else left & ~right
+    if isinstance(node, Numbers):
+        if node.last > roster.count:
+            raise PersonError(f"there is no dancer {node.last}", f"dancers are numbered 1 to {roster.count}")
+        number = np.arange(1, roster.count + 1)
+        return np.asarray((number >= node.first) & (number <= node.last))
+    return _named(node.word, roster, positions, half, inside)
+
+
+def _named(
+    word: str, roster: Roster, positions: Places | None, half: tuple[float, float], inside: tuple[str, ...]
+) -> Mask:
+    if word in roster.groups:
+        expression = _expression_of(word, roster, inside)
+        return _evaluate(parse(expression), roster, positions, half, (*inside, word))
+    mask = roster.having(word)
+    if word in roster.known:
+        return mask
+    if not mask.any() and word.casefold() in ALL_WORDS:
+        return np.ones(roster.count, np.bool_)
+    if not mask.any() and word.casefold() in PLACE_WORDS:
+        return _placed(word.casefold(), positions, half)
+    if not mask.any():
+        known = sorted({*roster.groups, *roster.words(), *PLACE_WORDS[:5], "all"})
+        raise PersonError(f"no group and no dancer is called {word!r}", f"there are: {', '.join(known)}")
+    return mask
+
+
+def _expression_of(word: str, roster: Roster, inside: tuple[str, ...]) -> str:
+    if word in inside:
+        raise PersonError(f"group {word!r} contains itself: {' → '.join((*inside, word))}")
+    return roster.groups[word]
+
+
+def _placed(word: str, positions: Places | None, half: tuple[float, float]) -> Mask:
+    if positions is None:
+        raise PersonError(f"{word!r} means a place, and where the dancers stand is not known here")
+    x, z = positions[:, 0], positions[:, 1]
+    if word == "left":
+        return np.asarray(x < 0.0)
+    if word == "right":
+        return np.asarray(x >= 0.0)
+    if word == "back":
+        return np.asarray(z < 0.0)
+    if word == "front":
+        return np.asarray(z >= 0.0)
+    return np.asarray((np.abs(x) <= half[0] / 2.0) & (np.abs(z) <= half[1] / 2.0))
+
+
+def _names_places(node: Expression, roster: Roster, inside: tuple[str, ...]) -> bool:
+    if isinstance(node, Combined):
+        return _names_places(node.left, roster, inside) or _names_places(node.right, roster, inside)
+    if isinstance(node, Numbers):
+        return False
+    if node.word.casefold() in PLACE_WORDS and node.word not in roster.groups and node.word not in roster.known:
+        return not roster.having(node.word).any()
+    if node.word in roster.groups:
+        return _names_places(parse(_expression_of(node.word, roster, inside)), roster, (*inside, node.word))
+    return False

@@ -1,0 +1,103 @@
+"""Meetings ahead: of all dancers at once, from where they are now and where their clips take them.
+
+How much room ways out of a collision lack to all who are near, in one pass.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+NEAR = 2.5
+"""Who is farther than this [m] cannot be met within the time looked ahead."""
+
+
+@kernel("f8(f8[:,:,::1], i8, f8[:,:,::1], i8, f8, i8)")
+def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: float, last: int) -> float:
+    """The first of the moments 1 to `last` at which two are nearer than `gap` [m] and have come nearer; -1 if none is.
+
+    `ways` and `others` (K, A, 2) [m]: where everybody is at each moment, the first one now.
+    """
+    x, z = ways[0, one, 0] - others[0, other, 0], ways[0, one, 1] - others[0, other, 1]
+    nearest = math.sqrt(x * x + z * z)
+    for k in range(1, last + 1):
+        x, z = ways[k, one, 0] - others[k, other, 0], ways[k, one, 1] - others[k, other, 1]
+        distance = math.sqrt(x * x + z * z)
+        if distance < gap and distance < nearest - 0.01:
+            return float(k)
+        nearest = min(nearest, distance)
+    return -1.0
+
+
+@kernel("f8(f8[:,:,::1], i8, f8, f8)")
+def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
+    """How far `one` comes until the first moment in the direction (x, z) [m]."""
+    size = max(math.sqrt(x * x + z * z), 1e-9)
+    way: float = ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
+    return way
+
+
+@kernel("void(f8[:,:,::1], f4[::1], f4[::1], b1[::1], i8[::1], f8[:,:,::1], f4[::1], i8, f8, f8[::1])")
+def find_threatened(
+    ways: Float64, radius: Float32, yields: Float32, here: Bool, order: Int64,
+    things: Float64, thing_radius: Float32, thing_count: int, slack: float, out: Float64,
+) -> None:  # fmt: skip
+    """Who must leave her way: the moment at which she would be met, into `out` (A,); 0 for all others.
+
+    `ways` (K, A, 2) [m] as in first_meeting; `radius` (A,) [m]; `yields` (A,) 0 for those who have the right of way;
+    `here` (A,) who is on the stage; `order` (A,) dancers by their x now; `things` (K, M, 2) [m] and `thing_radius`
+    (M,): the first `thing_count` of what stands or moves there besides. Two meet when they are `slack` [m] nearer than
+    their radii: dancers at the first moment, things at any. Of two dancers the one leaves who comes farther towards
+    the other.
+    """
+    out[:] = 0.0
+    for a in range(order.shape[0]):
+        i = order[a]
+        if not here[i]:
+            continue
+        for m in range(thing_count):
+            k = first_meeting(ways, i, things, m, radius[i] + thing_radius[m] - slack, ways.shape[0] - 1)
+            if k > 0.0 and (out[i] == 0.0 or k < out[i]):
+                out[i] = k
+        for b in range(a + 1, order.shape[0]):
+            j = order[b]
+            x = ways[0, j, 0] - ways[0, i, 0]
+            if x > NEAR:
+                break
+            z = ways[0, j, 1] - ways[0, i, 1]
+            if not here[j] or abs(z) > NEAR:
+                continue
+            k = first_meeting(ways, i, ways, j, radius[i] + radius[j] - slack, 1)
+            if k < 0.0:
+                continue
+            own = _way_towards(ways, i, x, z) * yields[i]
+            other = _way_towards(ways, j, -x, -z) * yields[j]
+            who = i if own > other else j
+            if out[who] == 0.0 or k < out[who]:
+                out[who] = k
+
+
+@kernel("void(f8[::1], f8[:,:,::1], f8[:,:,::1], f8)")
+def find_lacks(out: Float64, ways: Float64, others: Float64, margin: float) -> None:
+    """What each of `ways` (W, C, 2) lacks of `margin` to the `others` (M, W, 3), x, z, nearest distance [m].
+
+    At the worst of its W moments and on the average of them, added: `out` (C,).
+    """
+    moments = ways.shape[0]
+    for c in range(ways.shape[1]):
+        worst, total = 0.0, 0.0
+        for w in range(moments):
+            lack = 0.0
+            for m in range(others.shape[0]):
+                away = math.hypot(ways[w, c, 0] - others[m, w, 0], ways[w, c, 1] - others[m, w, 1]) - others[m, w, 2]
+                lack = max(lack, margin - away)
+            worst = max(worst, lack)
+            total += lack
+        out[c] = worst + total / moments

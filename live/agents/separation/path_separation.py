@@ -1,0 +1,137 @@
+"""Parting: the ends of the dancers' next measures must not fall onto one spot.
+
+Paths: where dancers will be at some moments of a measure, and corrections that keep them apart on the way.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.obstacles import Surroundings
+from live.agents.separation.obstacle_clearance_kernels import clear_moves, clear_paths
+from live.agents.separation.path_separation_kernels import leave_out, part_paths, push_apart, slow_down_near, walk_paths
+from live.agents.separation.separation_kernels import NEIGHBOUR_RANGE, cell_count, part_positions
+
+Float32 = npt.NDArray[np.float32]
+
+
+class Parting:
+    """Keeps places apart from each other: the ends of the dancers' next measures must not fall onto one spot."""
+
+    ROUNDS = 6
+
+    def __init__(self, count: int, gap: float, *, half_width: float, half_depth: float, seed: int) -> None:
+        """`gap` [m]: how far apart two of `count` dancers shall be; half the stage's sizes [m]."""
+        self._gap, self._seed = gap, seed
+        self._half_width, self._half_depth = half_width, half_depth
+        cells = cell_count(2.0 * half_width, NEIGHBOUR_RANGE) * cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+        self._cell_start = np.zeros(cells + 1, np.int32)
+        self._order = np.zeros(count, np.int32)
+
+    def __call__(self, position: Float32, anchor: Float32, most: float) -> None:
+        """Move `position` (A, 2) apart in place, nobody farther than `most` [m] from its `anchor` (A, 2)."""
+        part_positions(
+            position,
+            anchor,
+            self._gap,
+            most,
+            self._half_width,
+            self._half_depth,
+            self.ROUNDS,
+            self._seed,
+            self._cell_start,
+            self._order,
+        )
+
+
+Float64 = npt.NDArray[np.float64]
+
+MOMENTS: Final = 17
+"""Moments of a measure at which paths are known, the first at its beginning, the last at its end."""
+MARGIN: Final = 0.1
+"""Bodies shall be apart by this [m] on their ways: the pictures between two moments, and blends, need it."""
+
+
+class Paths:
+    """The paths of A dancers through one measure, without their corrections."""
+
+    def __init__(self, count: int) -> None:
+        self.path: Float32 = np.zeros((count, MOMENTS, 2), np.float32)
+        """Hips [m], shape (A, MOMENTS, 2)."""
+        self.share: Float32 = np.zeros((count, MOMENTS), np.float32)
+        """How much of a correction is in by then, shape (A, MOMENTS)."""
+
+    def walk(self, place: float, goal: Float64, aimed: Float64, out: Float32) -> None:
+        """Where everybody is, (A, 2) [m], when `place` (0 to 1) of the measure has passed; see `walk_paths`."""
+        walk_paths(self.path, self.share, goal, aimed, place * (MOMENTS - 1), out)
+
+
+class PathParting:
+    """Keeps A dancers apart on their ways through a measure."""
+
+    def __init__(
+        self,
+        radius: Float32,
+        responsibility: Float32,
+        *,
+        gap_at_end: float,
+        half_width: float,
+        half_depth: float,
+        seed: int,
+        surroundings: Surroundings | None = None,
+    ) -> None:
+        """`radius` (A,) [m] of bodies, `responsibility` (A,) 0 for whom others give way to; `gap_at_end` [m]: how far
+        apart two dancers of usual size shall end a measure; half the stage's sizes [m]; into `surroundings` nobody is
+        carried."""
+        count = len(radius)
+        self._radius, self._responsibility = radius, responsibility
+        self._margin_at_end = max(gap_at_end - 2.0 * float(np.median(radius)), MARGIN)
+        self._stage = half_width, half_depth, seed
+        self._surroundings = surroundings
+        cells = cell_count(2.0 * half_width, NEIGHBOUR_RANGE) * cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
+        self._cells = np.zeros(cells + 1, np.int32), np.zeros(count, np.int32)
+        self._middle, self._extent = np.zeros((count, 2), np.float32), np.zeros(count, np.float32)
+        self._yields = responsibility.copy()
+        self._speed, self._moved = np.zeros((count, 2)), np.zeros((count, 2))
+        self.lack: Float32 = np.full(count, -1.0, np.float32)
+        """How much each dancer lacked at most [m] in the last round of `part`; below 0 nothing, shape (A,)."""
+
+    def there(self, state: npt.NDArray[np.int8], there: int) -> None:
+        """Only those dancers whose `state` (A,) is `there` can be in the way."""
+        leave_out(self._yields, self._responsibility, state, there)
+
+    def part(self, paths: Paths, goal: Float64, aimed: Float64, most: Float64, *, place: float = 0.0) -> None:
+        """One round: change `goal` (A, 2) [m], nobody's beyond `most` (A,) [m], so that the paths stay apart from
+        `place` (0 to 1) of the measure on."""
+        first = min(int(place * (MOMENTS - 1)), MOMENTS - 2)
+        part_paths(
+            paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, MARGIN,
+            self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.lack,
+        )  # fmt: skip
+        things = self._surroundings
+        if things is not None and things.wall_count + things.obstacle_count:
+            clear_paths(
+                paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, things.walls,
+                things.wall_count, things.obstacles, things.obstacle_count,
+            )  # fmt: skip
+
+    def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
+        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves.
+
+        They are `now` (A, 2) and will `soon` be there, (A, 2) or at several moments (K, A, 2) [m]; see `push_apart`.
+        """
+        pushed = push_apart(
+            now, soon.reshape(-1, *now.shape), self._radius, self._yields, margin, stiffness, dt, *self._stage,
+            *self._cells, self._speed, self._moved,
+        )  # fmt: skip
+        if pushed:
+            slow_down_near(
+                now, self._radius, self._yields, margin, *self._stage[:2], *self._cells, self._speed, self._moved
+            )
+        things = self._surroundings
+        if pushed and things is not None and things.wall_count + things.obstacle_count:
+            clear_moves(
+                now, self._moved, self._radius, things.walls, things.wall_count, things.obstacles, things.obstacle_count
+            )
+        return self._moved if pushed else None

@@ -1,0 +1,183 @@
+"""The show without a window, in real time: for rehearsal, tests and long runs; with a picture if somebody takes it.
+
+What `live play` does with a wish: a window where there is a screen, else a film, or a bare run in real time.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from live.app.headless_picture import HeadlessPicture
+from live.app.kernel_warmup import warm_kernels
+from live.app.launch_options import Wish
+from live.app.session import Session
+from live.app.session_audio import Sound, choose_sound
+from live.base.errors import PersonError
+from live.base.fault_isolation import FAULTS
+from live.base.stage_snapshot import Scene, StageView
+from live.control.keyboard import help_lines
+from live.render.frame_stats import Pacer
+from live.render.window.monitors import Monitor, UnknownMonitor, find_place, list_monitors, screen_problem
+from live.show.loader import LoadedShow
+from live.show.patch.section_score import formation_names
+from live.supervisor.supervisor_link import Lifeline
+
+if TYPE_CHECKING:
+    from live.app.adaptive_quality import DrawingWatch
+    from live.app.live_recording import LiveSharing
+    from live.show.patch.patch import Patch
+
+
+def play_headless(
+    session: Session, scene: Scene, console: Console, *, picture: HeadlessPicture | None = None,
+    sharing: "LiveSharing | None" = None,
+) -> None:  # fmt: skip
+    """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture. `picture`, `sharing`: made
+    already, by who stood by; whoever made them gives them back."""
+    if session.lifeline is not None:
+        session.engine.on_error = lambda error: FAULTS.note("drawing", error)
+    if session.wish.record is None and not session.wish.share:
+        with session.running():
+            _loop(session, lambda view: None, session.wish.film_fps)
+        return
+    made = picture or HeadlessPicture(session.wish, scene)
+    try:
+        _draw(session, made, console, sharing)
+    finally:
+        if picture is None:
+            made.close()
+
+
+def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing: "LiveSharing | None") -> None:
+    from live.app.adaptive_quality import DrawingWatch, watch_passes, watch_shaders
+    from live.app.live_recording import live_rate
+    from live.app.window_loop import Takers
+
+    wish, renderer = session.wish, picture.renderer
+    session.status.more["flashes_held"] = lambda: picture.flashes.held
+    rate = live_rate(wish, picture.ctx)
+    watch = None if wish.quality is None else DrawingWatch(session, renderer)  # whoever films asks for the best
+    if watch is not None:
+        watch.period = 1.0 / rate
+    if watch is None:
+        watch_passes(session, renderer)
+        session.status.notes.append(lambda: "; ".join(renderer.problems))
+    takers = Takers(session, picture.ctx, wish.size, sharing=sharing)
+    shaders = watch_shaders(session, renderer.take_shaders)
+
+    def take_patch(patch: "Patch") -> None:
+        with contextlib.suppress(PersonError):  # it was tried before it came here: else the last good one goes on
+            renderer.take_own(patch.picture.own_passes)
+
+    session.engine.patched.append(take_patch if watch is None else watch.take_patch)
+
+    def draw(view: StageView) -> None:
+        if shaders is not None:
+            shaders.look(session.clock.now())
+        framebuffer = picture.draw(view, session.clock.now)
+        takers.frame(framebuffer, session.clock.now())
+
+    try:
+        with session.running():
+            _loop(session, draw, rate, watch)
+    finally:
+        takers.close(console)
+
+
+def _loop(
+    session: Session, draw: Callable[[StageView], None], rate: float, watch: "DrawingWatch | None" = None
+) -> None:
+    pacer = Pacer(rate, session.clock.now, time.sleep)
+    previous = session.clock.now()
+    while True:
+        started = pacer.wait()
+        if watch is not None:
+            watch.begin(pacer.late, started - previous)
+        session.before_frame()
+        session.engine.frame(draw)
+        session.status.late_frames = pacer.late
+        session.after_frame(started, previous)
+        if watch is not None:
+            watch.end()
+        previous = started
+        if session.finished(started):
+            return
+
+
+FILM_SECONDS = 20.0
+FILM_NAME = "first-show.mp4"
+
+
+def play_show(
+    wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool, lifeline: Lifeline | None = None
+) -> None:
+    """Play what `wish` asks for; PersonError if that cannot be. `lifeline`: to the supervisor, if there is one."""
+    console = Console(stderr=True, highlight=False)
+    warm_kernels(console)
+    loaded = wish.load()
+    for note in loaded.graph.missing:
+        console.print(f"note: {note}", style="yellow", markup=False)
+    if wish.shaders is not None:
+        from live.app.adaptive_quality import begin_with
+
+        begin_with(wish.shaders, console)
+    venue = wish.read_venue()
+    sound = choose_sound(wish, loaded, venue)
+    chosen = find_screen(monitor)
+    if headless:
+        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
+    elif list_monitors():
+        from live.app.window_loop import play_in_window
+
+        session = Session(wish, loaded, sound, venue, lifeline=lifeline)
+        keys = help_lines(formation_names(loaded.patch.formation))
+        console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
+        play_in_window(session, loaded.scene(), monitor=chosen, fullscreen=fullscreen, console=console)
+    elif fullscreen:
+        raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
+    elif sound.device is not None:
+        console.print(f"{screen_problem()}; listening and running without a picture", style="dim")
+        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
+    else:
+        _film(wish, loaded, sound, console)
+
+
+def find_screen(name: str | None) -> Monitor | None:
+    """The monitor of that number, name or place; None for none. PersonError that lists those there are."""
+    if name is None:
+        return None
+    try:
+        return find_place(name)
+    except UnknownMonitor as error:
+        raise PersonError(f"--monitor: {error}") from None
+
+
+def _headless(session: Session, console: Console) -> None:
+
+    console.print(f"{_welcome(session)}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
+    play_headless(session, session.loaded.scene(), console)
+
+
+def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+    from pathlib import Path
+
+    from live.app.offline_film import film_show
+
+    seconds = wish.seconds or FILM_SECONDS
+    path = wish.record or Path(FILM_NAME)
+    console.print(f"{screen_problem()}; {seconds:g} s of the show become a film", style="dim", soft_wrap=True)
+    if wish.osc != Wish().osc:
+        console.print("note: a film takes no OSC; use --headless to play in real time", style="yellow", markup=False)
+    film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
+    console.print(f"the film is here: {path.resolve()}", soft_wrap=True, markup=False)
+
+
+def _welcome(session: Session) -> str:
+    host, port = session.wish.osc
+    song = session.wish.midi_file
+    heard = "music file" if session.sound.music else session.sound.device or "internal clock"
+    heard = heard if song is None else song.name
+    return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"

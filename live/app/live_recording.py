@@ -1,0 +1,208 @@
+"""Recording: the running show's picture, and its music, into a film that keeps time whatever the frame rate does.
+
+Sharing: the running show's picture for other programs, in memory or over the network.
+
+Where the picture is shared, as it is written on the command line.
+"""
+
+import re
+from pathlib import Path
+from typing import Final
+
+import moderngl
+from rich.console import Console
+
+from live.app.launch_options import Wish
+from live.base.errors import PersonError
+from live.control.audio.music_file import Music
+from live.render.film.film_writer import FilmError, FilmWriter, PictureWriter
+from live.render.film.image_sequence import PictureFolder
+from live.render.film.network_stream import SharedStream
+from live.render.film.shared_memory import SharedRing
+from live.render.film.streams import FilmSound
+from live.render.headless import FrameReader, is_software
+
+SOFTWARE_FPS = 30.0
+
+
+def film_sound(music: Music | None) -> FilmSound | None:
+    """The music that is played, from its beginning, again and again."""
+    return None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
+
+
+def film_writer(
+    path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, alpha: bool = False
+) -> PictureWriter:
+    """A film with its sound, of the kind that its name says; PersonError if it cannot be made."""
+    try:
+        if path.suffix.lower() == ".png":
+            return PictureFolder(path, size=size, fps=fps, sound=sound, alpha=alpha)
+        return FilmWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
+    except FilmError as error:
+        raise PersonError(str(error)) from None
+
+
+def live_rate(wish: Wish, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
+    """Frames per second of a live show: as wished, else the display's, but 30 where the processor draws.
+
+    A processor that draws as fast as it can leaves no time to the threads that listen and film, and stutters besides.
+    """
+    if wish.fps is not None:
+        return wish.fps
+    return SOFTWARE_FPS if is_software(ctx) else refresh_hz or wish.film_fps
+
+
+class LiveRecording:
+    """Films a framebuffer while the show runs: drops pictures rather than hold it up, and keeps time.
+
+    Thread: the main thread, which owns the OpenGL context.
+    """
+
+    def __init__(
+        self, path: Path, ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
+    ) -> None:
+        try:
+            self._writer = FilmWriter(path, size=size, fps=fps, sound=film_sound(music), live=True)
+        except FilmError as error:
+            raise PersonError(str(error)) from None
+        self._reader = FrameReader(ctx, size)
+        self._fps = fps
+        self._written = 0
+        self._failed: FilmError | None = None
+
+    def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
+        """Take the picture just drawn at `time` [s of the show]: once, more often, or not at all, as the rate asks."""
+        picture = self._reader.push(framebuffer)
+        due = int(time * self._fps)
+        if picture is None or self._failed is not None:
+            return
+        try:
+            if due > self._written:
+                self._writer.write(picture, due - self._written)
+                self._written = due
+        except FilmError as error:  # a full disk ends the film, not the show
+            self._failed = error
+
+    def close(self, console: Console) -> None:
+        """Complete the film, and say what became of it."""
+        try:
+            self._writer.close()
+        except FilmError as error:
+            self._failed = error
+        self._reader.release()
+        if self._failed is not None:
+            console.print(f"the film is not complete: {self._failed}", style="red", markup=False)
+            return
+        for note in self._writer.notes:
+            console.print(f"note: {note}", style="yellow", markup=False)
+        dropped = ""
+        if self._writer.dropped:
+            dropped = f"; {self._writer.dropped} pictures were left out: a lower --fps or --size leaves out fewer"
+        console.print(f"the film is here: {self._writer.path.resolve()}{dropped}", soft_wrap=True, markup=False)
+
+
+class LiveSharing:
+    """Hands every picture on to rings and streams; never waits for them.
+
+    Thread: the main thread, which owns the OpenGL context.
+    """
+
+    def __init__(
+        self, shares: tuple[str, ...], ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
+    ) -> None:
+        """`shares` as `parse_shares` gives them; PersonError if one cannot be made."""
+        self._rings: list[SharedRing] = []
+        self._streams: list[SharedStream] = []
+        for share in shares:
+            try:
+                if share.startswith("shm:"):
+                    self._rings.append(SharedRing(share[4:], size))
+                else:
+                    self._streams.append(SharedStream(share, size=size, fps=fps, sound=film_sound(music)))
+            except (ValueError, OSError) as error:
+                self._close()
+                raise PersonError(f"--share {share}: {error}") from None
+        self._reader = FrameReader(ctx, size)
+        self._fps, self._frame, self._time = fps, -1, 0.0
+
+    def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
+        """Take the picture just drawn at `time` [s of the show]; it is handed on with the next one."""
+        picture, drawn = self._reader.push(framebuffer), self._time
+        self._time = time
+        if picture is None:
+            return
+        for ring in self._rings:
+            ring.write(picture, drawn)
+        frame = int(drawn * self._fps)
+        if frame > self._frame:
+            self._frame = frame
+            for stream in self._streams:
+                stream.write(picture, frame)
+
+    def words(self) -> str:
+        """For the overlay: what is not sent now, and why; empty if all is well."""
+        return "; ".join(f"{stream.url}: {stream.trouble}" for stream in self._streams if stream.trouble)
+
+    def facts(self) -> dict[str, dict[str, int | str]]:
+        """For the status: pictures sent and left out, by address, and what is wrong."""
+        told: dict[str, dict[str, int | str]] = {}
+        for ring in self._rings:
+            told[f"shm:{ring.path.name}"] = {"sent": ring.pictures, "dropped": 0, "trouble": ""}
+        for one in self._streams:
+            told[one.url] = {"sent": one.sent, "dropped": one.dropped, "trouble": one.trouble}
+        return told
+
+    def _close(self) -> None:
+        for ring in self._rings:
+            ring.close()
+        for stream in self._streams:
+            stream.close()
+
+    def close(self, console: Console) -> None:
+        """End rings and streams, and say what became of them."""
+        self._close()
+        self._reader.release()
+        for stream in self._streams:
+            told = f"{stream.url}: {stream.sent} pictures sent"
+            told += f", {stream.dropped} left out" if stream.dropped else ""
+            told += f" ({stream.trouble})" if stream.trouble else ""
+            console.print(told, style="dim", soft_wrap=True, markup=False)
+
+
+_STREAMS: Final = ("udp", "rtp", "tcp", "srt")
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+
+
+def parse_shares(texts: list[str] | None) -> tuple[str, ...]:
+    """`shm:NAME`, or an address like `udp://127.0.0.1:5000`, each once; PersonError for what is neither."""
+    for text in texts or []:
+        scheme, colon, rest = text.partition(":")
+        if scheme == "shm" and colon:
+            if not _NAME.fullmatch(rest):
+                raise PersonError(
+                    f"--share {text}: a name of letters, digits, dots and dashes expected", "--share shm:choreographics"
+                )
+        elif scheme in _STREAMS and rest.startswith("//"):
+            _check_address(text, rest[2:])
+        else:
+            raise PersonError(
+                f"--share {text}: shm:NAME, or an address with {', '.join(f'{one}://' for one in _STREAMS)} expected",
+                "--share udp://127.0.0.1:5000",
+            )
+    return tuple(dict.fromkeys(texts or []))
+
+
+def _check_address(text: str, rest: str) -> None:
+    match = re.fullmatch(r"(?:\[[0-9A-Fa-f:.]+\]|[^:/?\s]*):(\d{1,5})(?:[/?]\S*)?", rest)
+    if match is None or not 1 <= int(match[1]) <= 65535:
+        scheme = text.partition(":")[0]
+        raise PersonError(f"--share {text}: HOST:PORT expected, port 1 to 65535", f"--share {scheme}://127.0.0.1:5000")
+    if text.startswith("srt:"):
+        from live.render.film.network_stream import has_srt
+
+        if not has_srt():
+            raise PersonError(
+                f"--share {text}: this PyAV was built without SRT",
+                "--share udp://127.0.0.1:5000, and let ffmpeg carry it on: "
+                f"ffmpeg -i udp://127.0.0.1:5000 -c copy -f mpegts '{text}'",
+            )

@@ -1,0 +1,276 @@
+"""A show as a film, offline: the same engine on a clock that is set frame by frame, faster or slower than life.
+
+Names of films, and their frames a second, as they are written on the command line.
+"""
+
+import contextlib
+import json
+import math
+import re
+from collections import Counter
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from live.app.launch_options import Wish
+from live.app.live_recording import film_sound, film_writer
+from live.app.services.midi_service import play_file
+from live.app.session_audio import Sound, analysis_for, start_tempo
+from live.app.session_records import resident_megabytes
+from live.base.errors import PersonError
+from live.base.event_queue import Inbox
+from live.base.stage_snapshot import StageView
+from live.clock.time_source import ManualClock
+from live.control.audio.music_file import OfflineMusic
+from live.control.events.events import ControlEvent
+from live.render.adaptive_quality import CARD
+from live.render.film.film_writer import FilmError
+from live.render.film.streams import FilmSound
+from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
+from live.render.renderer import Renderer
+from live.show.engine import Engine
+from live.show.journal.journal import JournalError, JournalWriter
+from live.show.journal.motion_report import FrameReport
+from live.show.loader import LoadedShow
+from live.show.show import Show
+from live.show.sound.soundtrack import ShowSound
+from live.show.status import Status, StatusFile
+
+
+def film_show(
+    wish: Wish,
+    loaded: LoadedShow,
+    sound: Sound,
+    *,
+    path: Path,
+    seconds: float,
+    console: Console,
+    report: Path | None = None,
+    fine: bool = False,
+    guides: bool = False,
+    click: bool | None = None,
+    taps: bool | None = None,
+    alpha: bool = False,
+) -> None:
+    """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
+
+    `click`, `taps`: whether a click track and the taps of the dancers' feet are heard; None: as the patch says.
+
+    `alpha`: the dancers without their stage, on nothing; drawn as with `fine`.
+    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
+    `guides`: with the operator's guides in it. A film that is broken off is closed properly and plays to there.
+    """
+    tempo = start_tempo(wish, loaded, sound)
+    show = loaded.start(seed=wish.seed, tempo=tempo)
+    clock = ManualClock()
+    inbox: Inbox[ControlEvent] = Inbox()
+    status = Status(show, rejected=Counter, memory=resident_megabytes())
+    engine = Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf)
+    one_at = loaded.patch.music.one_at_s if sound.known else None
+    music = None
+    if sound.music is not None:
+        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
+    engine.guides = guides
+    play_file(wish.midi_file, show, engine)
+    frames = max(1, math.ceil(seconds * wish.film_fps))
+    figures = FrameReport(show) if report is not None else None
+    heard = film_sound(sound.music)
+    mixed = mixed_sound(loaded, show, heard, click, taps)
+    with contextlib.ExitStack() as stack:
+        target, renderer = canvas(stack, wish, loaded, fine, alpha=alpha)
+        writer = stack.enter_context(
+            film_writer(
+                path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, alpha=alpha
+            )
+        )
+        engine.journal = _journal(stack, wish, loaded, show, tempo, engine, sound.path)
+        lines = _status_file(stack, wish, status, clock)
+
+        def draw(view: StageView) -> None:
+            renderer.draw(view, target.framebuffer)
+
+        progress = stack.enter_context(progress_bar(console))
+        task = progress.add_task("", total=frames)
+        try:
+            for frame in range(frames):
+                now = frame / wish.film_fps
+                clock.set(now)
+                for event in [] if music is None else music.events_until(now):
+                    inbox.put(event)
+                engine.frame(draw)
+                if figures is not None:
+                    figures.frame(engine.view)
+                if mixed is not None:
+                    mixed.frame(engine.view)
+                if lines is not None:
+                    lines.frame(now)
+                picture = target.push()
+                if picture is not None:
+                    writer.write(picture)
+                progress.advance(task)
+            last = target.flush()
+            if last is not None:
+                writer.write(last)
+            writer.close()
+        except FilmError as error:
+            raise PersonError(str(error)) from None
+    if report is not None and figures is not None:
+        _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
+
+
+def mixed_sound(
+    loaded: LoadedShow,
+    show: Show,
+    music: FilmSound | None,
+    click: bool | None = None,
+    taps: bool | None = None,
+    *,
+    begin: float = 0.0,
+) -> ShowSound | None:
+    """The mixer of the sound of a film from `begin` [s] of the show; None if there is nothing to add to the music."""
+    own = loaded.patch.sound
+    click, taps = own.click if click is None else click, own.taps if taps is None else taps
+    return ShowSound(show, music, click=click, taps=taps, begin=begin) if click or taps else None
+
+
+def canvas(
+    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool, *, alpha: bool = False
+) -> tuple[OffscreenTarget, Renderer]:
+    """What is drawn into, and what draws; released with the stack. PersonError for what this driver cannot draw."""
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL as error:
+        raise PersonError(str(error)) from None
+    stack.callback(release_headless_context, ctx)
+    try:
+        target = OffscreenTarget(ctx, wish.size, alpha=alpha)
+        stack.callback(target.release)
+        quality = CARD if fine and not alpha else None
+        renderer = Renderer(ctx, loaded.scene(), size=wish.size, quality=quality, patient=True, bare=alpha)
+    except ValueError as error:
+        raise PersonError(f"{error}") from None
+    stack.callback(renderer.release)
+    return target, renderer
+
+
+def _journal(
+    stack: contextlib.ExitStack,
+    wish: Wish,
+    loaded: LoadedShow,
+    show: Show,
+    tempo: float | None,
+    engine: Engine,
+    music: Path | None,
+) -> JournalWriter | None:
+    if wish.journal is None:
+        return None
+    try:
+        journal = JournalWriter(wish.journal, loaded.header(show, tempo=tempo, music=music))
+    except JournalError as error:
+        raise PersonError(str(error)) from None
+    stack.callback(lambda: journal.close(engine.ticks.index))
+    return journal
+
+
+def _status_file(stack: contextlib.ExitStack, wish: Wish, status: Status, clock: ManualClock) -> StatusFile | None:
+    if wish.status_json is None:
+        return None
+    try:
+        lines = StatusFile(wish.status_json, status)
+    except OSError as error:
+        raise PersonError(f"cannot write --status-json {wish.status_json}: {error.strerror}") from None
+    stack.callback(lambda: lines.close(clock.now()))
+    return lines
+
+
+def progress_bar(console: Console) -> Progress:
+    """A bar for the frames of a film."""
+    return Progress(
+        TextColumn("rendering"), BarColumn(), MofNCompleteColumn(), TextColumn("frames"), TimeRemainingColumn(),
+        console=console,
+    )  # fmt: skip
+
+
+def _write_report(path: Path, figures: dict[str, Any]) -> None:
+    try:
+        path.write_text(json.dumps(figures, indent=1, default=_plain) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise PersonError(f"cannot write the report {path}: {error.strerror}") from None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} in a report")
+
+
+PICTURES: Final = "%05d.png"
+"""Pictures of a film that is a folder."""
+_NUMBER: Final = re.compile(r"%0?\d{0,2}d")
+_KINDS: Final = (".mp4", ".mov", ".mkv")
+_WITH_ALPHA: Final = (".mov", ".mkv")
+_SLOWER: Final = Fraction(1000, 1001)
+"""Television in America is by so much slower than its name says: 59.94 is 60000/1001."""
+
+
+def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str | None]) -> Path:
+    """The film's name, with the pattern of its pictures if it is a folder of PNG files.
+
+    PersonError for a name of another kind, a kind without alpha if that is wanted, a place that is not there, and a
+    name of one of the files in `never`, which the show is made from.
+    """
+    if path.is_dir() or (not path.suffix and "%" not in path.name):
+        path = path / PICTURES
+    if path.suffix.lower() == ".png":
+        return _pictures(path, option)
+    if path.suffix.lower() not in _KINDS:
+        raise PersonError(
+            f"{option} {path}: a film's name ends in {', '.join(_KINDS)}, or is a folder for PNG pictures",
+            f"{option} {path.with_suffix('.mp4')}",
+        )
+    if alpha and path.suffix.lower() not in _WITH_ALPHA:
+        raise PersonError(
+            f"{option} {path}: {path.suffix} has no alpha; {', '.join(_WITH_ALPHA)} and folders of PNG pictures have",
+            f"{option} {path.with_suffix('.mov')}",
+        )
+    if not path.parent.is_dir():
+        raise PersonError(f"{option} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")
+    for other in never:
+        if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
+            raise PersonError(f"{option} {path}: that is a file the show is made from", "give the film another name")
+    return path
+
+
+def _pictures(path: Path, option: str) -> Path:
+    if len(_NUMBER.findall(path.name)) != 1 or path.name.count("%") != 1:
+        raise PersonError(
+            f"{option} {path}: pictures are numbered: their name needs one %05d",
+            f"{option} {path.parent / (path.stem.replace('%', '') + '-' + PICTURES)}",
+        )
+    if "%" in str(path.parent):
+        raise PersonError(f"{option} {path}: the number belongs into the name of the pictures, not of their folder")
+    if path.parent.exists() and not path.parent.is_dir():
+        raise PersonError(f"{option} {path}: {path.parent} is no folder")
+    if not path.parent.parent.is_dir():
+        raise PersonError(f"{option} {path}: there is no folder {path.parent.parent}", f"mkdir -p {path.parent}")
+    return path
+
+
+def parse_rate(text: str | None, option: str = "--fps") -> float | None:
+    """Frames a second, 1 to 480: 60, 59.94 (that is 60000/1001) or a fraction like 24000/1001; None stays None."""
+    if text is None:
+        return None
+    try:
+        rate = Fraction(text.strip())
+    except (ValueError, ZeroDivisionError):
+        raise PersonError(f"{option} {text!r}: frames a second expected", f"{option} 60 or {option} 59.94") from None
+    if not 1 <= rate <= 480:
+        raise PersonError(f"{option} {text}: 1 to 480 expected")
+    named = round(rate / _SLOWER) * _SLOWER
+    if "/" not in text and rate.denominator > 1 and abs(rate - named) < Fraction(1, 200):
+        rate = named
+    return float(rate)

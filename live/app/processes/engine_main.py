@@ -1,0 +1,291 @@
+"""An engine as a process of its own: it begins a show, or waits until it goes on with one. See `live.alive`.
+
+Whether a show is supervised, and by which processes; they are started here.
+"""
+
+import hashlib
+import ipaddress
+import json
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rich.console import Console
+
+from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
+from live.app.launch_options import Played
+from live.app.systemd_unit import check_name
+from live.base.errors import PersonError
+from live.base.native_stderr import outlive_terminals
+from live.show.journal.journal_writer import keep_aside
+from live.supervisor.adoption.adoption import Adoption, CannotAdopt, EngineHung, find_engine
+from live.supervisor.adoption.journal_resume import cut_off
+from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
+from live.supervisor.network.identity import Identity, Pairings, load_identity
+from live.supervisor.supervisor import Supervisor
+from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor_link import Lifeline
+
+if TYPE_CHECKING:
+    from live.show.loader import LoadedShow
+    from live.show.show import Show
+
+
+BEGINNERS: Final = ("engine", "standby")
+"""Who begins something, and does not go on with it."""
+
+
+def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
+    """Do what the supervisor says first. `loaded`, `show`: what this process was born with, if it was."""
+    brief = lifeline.brief()
+    played = Played.unpacked(brief.show)
+    console = Console(stderr=True, highlight=False)
+    if brief.role == "nursery":
+        from live.app.processes.warm_standby import be_born
+
+        here, loaded, show = be_born(played, lifeline, console)
+        if here is not None:
+            end_cleanly()
+            play(here, loaded, show)
+        return
+    try:
+        _play(brief.role, played, lifeline, loaded, show, console)
+    except PersonError:
+        if brief.role in BEGINNERS:  # what this machine was asked for cannot be; it is no fault of a running show
+            lifeline.tell_end(EXIT_PERSON_ERROR)
+        raise
+    lifeline.tell_end(0)
+
+
+def _play(
+    role: str, played: Played, lifeline: Lifeline, loaded: "LoadedShow | None", show: "Show | None", console: Console
+) -> None:
+    if role == "engine":
+        from live.app.headless_loop import play_show
+
+        come_forward(ENGINE_NICE)
+        play_show(
+            played.wish,
+            monitor=played.monitor,
+            fullscreen=played.fullscreen,
+            headless=played.headless,
+            lifeline=lifeline,
+        )
+    elif role == "standby":
+        from live.app.processes.remote_standby import stand_by
+
+        stand_by(played, lifeline, console)
+    else:
+        from live.app.processes.warm_standby import take_over
+
+        take_over(played, lifeline, loaded, show, waits=role == "spare", console=console)
+
+
+def main() -> None:
+    """Run until the show is over; the exit codes are those of `live`."""
+    end_cleanly()
+    outlive_terminals()
+    try:
+        play(Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2])))
+    except PersonError as error:
+        show_person_error(error)
+        sys.exit(EXIT_PERSON_ERROR)
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)
+
+
+SHORT: Final = 60.0
+"""A run of so few seconds [s] is a try-out: nobody waits to take over."""
+WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
+"""Exit codes of shows that a signal ended."""
+FREE_WITHIN: Final = 5.0
+"""Seconds in which the port of a killed engine is free."""
+PAUSE: Final = 0.05
+PORT: Final = 9020
+"""Where a machine that leads is found, if nothing else is said."""
+ENGINE: Final = ["live.app.processes.engine_main"]
+"""The module that is an engine, and its first arguments."""
+SHARE: Final = 0.6
+"""Share of the machine's memory that an engine may come to need."""
+
+
+SECRET: Final = ("web_key", "audience_secret")
+"""What is drawn anew at each start."""
+
+
+def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
+    """Whether to watch over this show: one on a screen or without a picture that runs for longer than a try-out.
+
+    Films are made by one process: half a film is of no use to who would take over. `machines`: others follow this
+    one, or it follows another; PersonError if that cannot be.
+    """
+    wish = played.wish
+    screen = played.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    able = sys.platform == "linux" and screen and wish.record is None and wish.shaders is None and not alone
+    if machines and not able:
+        raise PersonError(
+            "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
+        )
+    short = wish.seconds is not None and wish.seconds < SHORT
+    return able and (machines or not short)
+
+
+def supervise(played: Played, *, lead: str | None, standby: str | None, service: str | None = None) -> None:
+    """Run the show with everything that keeps it alive; ends with the engine's exit code."""
+    from live.control.osc.osc_server import CannotListen
+
+    console = Console(stderr=True, highlight=False)
+
+    def say(line: str) -> None:
+        console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
+
+    if service is not None:
+        check_name(service)
+    label = show_label(played, lead, standby, service)
+    adoption, hung = None, False
+    try:
+        adoption = _found(label, say)
+    except EngineHung as error:
+        say(str(error))
+        hung = True
+    except CannotAdopt as error:
+        console.print(f"error: {error}", style="red", soft_wrap=True, markup=False)
+        raise SystemExit(1) from None
+    there = {} if adoption is None else adoption.descriptors
+    leads_at = None if lead is None else _endpoint(lead, "--lead")
+    follows = None if standby is None else _endpoint(standby, "--standby")
+    identity, pairings = _network(leads_at, follows)
+    leads = None if leads_at is None else _listening(*leads_at)
+    try:
+        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bound(*played.wish.osc, hung)
+    except CannotListen as error:
+        if service is None:
+            raise PersonError(str(error)) from None
+        say(f"{error}")  # perhaps processes of the show before have it, that are just ending: systemd tries again
+        raise SystemExit(1) from None
+    python = [sys.executable, "-m"]
+    silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
+    orders = Orders(
+        engine=[*python, *ENGINE],
+        show=played.packed() if adoption is None else adoption.show,
+        audio=[] if silent else [*python, "live.app.processes.audio_main"],
+        guard=() if played.headless else [*python, "live.app.processes.fallback_window_main"],
+        screen=(played.fullscreen, played.monitor),
+        osc=osc,
+        osc_reader=[*python, "live.app.processes.osc_reader_main"] if played.wish.osc_process else (),
+        journal=played.wish.journal,
+        lead=leads,
+        identity=identity,
+        pairings=pairings,
+        follow=follows,
+        budget=int(SHARE * _memory()),
+        label=label,
+    )
+    left, journal = None, played.wish.journal
+    if (service is not None or hung) and adoption is None and journal is not None and standby is None:
+        left = cut_off(journal)
+    supervisor = Supervisor(orders, say, adoption, left)
+    if left is not None:
+        say(f"the show goes on from its journal: it has been gone for {left.gone:.0f} s")
+    code = supervisor.run()
+    if left is not None and code not in (0, *WISHED) and not supervisor.engines.danced:
+        say(f"the show cannot go on from its journal, which is {keep_aside(Path(str(journal)))} now: it begins anew")
+        raise SystemExit(1)  # and systemd starts it again
+    if code == 128 + signal.SIGINT:
+        raise KeyboardInterrupt
+    if code:
+        raise SystemExit(code)
+
+
+def _found(label: str, say: Callable[[str], None]) -> Adoption | None:
+    adoption = find_engine(label)
+    if adoption is not None:
+        say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
+    return adoption
+
+
+def _bound(host: str, port: int, hung: bool) -> socket.socket:
+    """The socket for OSC; processes beside an engine that `hung` end a moment after it and have the port until then."""
+    from live.control.osc.osc_server import CannotListen, bound_socket
+
+    deadline = time.monotonic() + (FREE_WITHIN if hung else 0.0)
+    while True:
+        try:
+            return bound_socket(host, port)
+        except CannotListen:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(PAUSE)
+
+
+def service_label(name: str) -> str:
+    """How the labels of a service's shows begin."""
+    return f"service-{name}."
+
+
+def show_label(played: Played, lead: str | None, standby: str | None, service: str | None) -> str:
+    """By what the engine of this show is found: the same command in the same folder is the same show."""
+    wish = {name: value for name, value in asdict(played.wish).items() if name not in SECRET}
+    picture = (played.monitor, played.fullscreen, played.headless)
+    words = json.dumps([os.getcwd(), wish, picture, lead, standby], sort_keys=True, default=str)
+    begin = "play." if service is None else service_label(service)
+    return begin + hashlib.sha256(words.encode()).hexdigest()[:16]
+
+
+def _endpoint(text: str, option: str) -> tuple[str, int]:
+    """[HOST:]PORT or HOST[:PORT]; a host alone means the usual port, a port alone this machine."""
+    host, _, port = text.strip().rpartition(":")
+    if ":" not in text and not port.isdecimal():
+        host, port = port, str(PORT)
+    named = bool(host) or ":" not in text
+    if not (port.isdecimal() and named and int(port) <= 65535) or any(mark.isspace() for mark in host):
+        raise PersonError(f"{option} {text!r}: HOST:PORT expected", f"{option} 127.0.0.1:{PORT}")
+    return (host or "127.0.0.1").strip("[]"), int(port)
+
+
+def _network(lead: tuple[str, int] | None, follow: tuple[str, int] | None) -> tuple[Identity | None, Pairings | None]:
+    """This machine's key and whom it is paired with, where there are to be others; PersonError if there can be none."""
+    if lead is None and follow is None:
+        return None, None
+    identity, pairings = load_identity(), Pairings()
+    paired = pairings.read()
+    for place, option in ((lead, "--lead"), (follow, "--standby")):
+        if place is not None and not paired and not _is_this_machine(place[0]):
+            raise PersonError(
+                f"{option} {place[0]}: this machine is paired with no other one; until then a show stays on it",
+                "live pair here, then live pair with this machine's address on the other one",
+            )
+    return identity, pairings
+
+
+def _is_this_machine(host: str) -> bool:
+    """Whether an address is one of the loopback."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=16)
+    except OSError as error:
+        raise PersonError(
+            f"--lead: nobody can follow at {host}:{port}: {error.strerror}", "choose another port"
+        ) from None
+
+
+def _memory() -> int:
+    """Bytes of memory that the machine has."""
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,178 @@
+"""Heir: everything that can be ready is ready before it is needed; then it goes on where the other engine ended.
+
+What engines are born with: program, kernels, patch and steps; nothing open. See `live.supervisor.prefork`.
+"""
+
+import contextlib
+import gc
+import importlib
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from live.app.kernel_warmup import warm_kernels
+from live.app.launch_options import Played
+from live.app.processes.resume_state import Resumed
+from live.app.session import Session
+from live.app.session_audio import Sound, choose_sound
+from live.base.errors import PersonError
+from live.control.events.events import ChooseSource
+from live.show.loader import LoadedShow
+from live.show.show import Show
+from live.show.venue.venue import Latencies, Venue
+from live.supervisor.cpu_priority import ENGINE_NICE, come_forward, stand_back
+from live.supervisor.heartbeat import Phase
+from live.supervisor.prefork import wait_to_be_born
+from live.supervisor.recovery import Death, Recovery
+from live.supervisor.state_follower import Following
+from live.supervisor.supervisor_link import Lifeline, in_words, nobody_left
+
+if TYPE_CHECKING:
+    from live.app.headless_picture import HeadlessPicture
+    from live.app.live_recording import LiveSharing
+
+
+LOWEST = 99
+"""A step of quality that is lower than all: the lowest there is."""
+PATIENCE = 0.5
+"""Seconds between two looks whether anybody is left, while nothing comes."""
+
+
+def take_over(
+    played: Played, lifeline: Lifeline, loaded: LoadedShow | None = None, show: Show | None = None, *, waits: bool,
+    console: Console,
+) -> None:  # fmt: skip
+    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile; `loaded`, `show`: if
+    they are here already, with all kernels."""
+    processors = stand_back() if waits else frozenset()
+    if loaded is None:
+        warm_kernels(console)
+        loaded = played.wish.load(whole=False)
+    venue = played.wish.read_venue()
+    sound = sound_of(played, loaded, venue)
+    picture = None
+    try:
+        picture = open_picture(played, loaded, venue, hidden=True, show=show)
+    except Exception as error:  # a driver that is lost: the show goes on, and lights and sound with it
+        lifeline.tell_note(f"there is no picture now: {in_words(error)}")
+    try:
+        order, following = _follow(loaded, lifeline)
+        if order is None:
+            return
+        come_forward(ENGINE_NICE, processors)
+        go_on(played, loaded, venue, sound, lifeline, following, picture, order, console)
+    finally:
+        if picture is not None:
+            picture.close()
+
+
+def go_on(
+    played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline, following: Following,
+    picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
+    headless: "HeadlessPicture | None" = None, sharing: "LiveSharing | None" = None,
+) -> None:  # fmt: skip
+    """Play on where what was followed ended; `elsewhere`: that was another machine. `headless`, `sharing`: what this
+    one drew and shared meanwhile."""
+    calm, death = bool(order["calm"]), order["death"]
+    if death.get("plain"):
+        played = replace(played, wish=replace(played.wish, quality=LOWEST))
+    recovered = Recovery(following, Death.of(death)).run()
+    show = recovered.show
+    for line in recovered.lines:
+        lifeline.say(line)
+    for words in recovered.notes:
+        lifeline.tell_note(words)
+        show.refusals.add(words)
+    lead = Latencies.of(venue).lead
+    origin = following.origin_here(lead) if elsewhere else following.origin
+    resumed = Resumed(
+        show, following.tick, origin, following.latencies, calm, elsewhere=elsewhere, begun=following.begun
+    )  # fmt: skip
+    session = Session(played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
+    if calm:
+        session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
+    scene = loaded.scene(whole=False)
+    if picture is None:
+        from live.app.headless_loop import play_headless
+
+        play_headless(session, scene, console, picture=headless, sharing=sharing)
+        return
+    from live.app.window_loop import play_picture
+
+    reveal = None if elsewhere else bool(order["screen"]["fullscreen"])
+    play_picture(session, scene, picture, console=console, reveal=reveal, sharing=sharing)
+
+
+def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:
+    """Follow the show until the word comes; None if it never will."""
+    following = Following(loaded, heart=lifeline.heart)
+    while True:
+        lifeline.listen()
+        for line in lifeline.lines:
+            following.take(line)
+            lifeline.log.take(line)
+        lifeline.lines.clear()
+        order = lifeline.order("go")
+        if order is not None:
+            return order, following
+        if nobody_left(lifeline):
+            return None, following
+        if not following.advance():
+            lifeline.beat(following.tick, Phase.WAITING)
+            lifeline.wait(PATIENCE)
+
+
+def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
+    """What the show listens to; nothing if that is not there any more, for the show goes on all the same."""
+    try:
+        return choose_sound(played.wish, loaded, venue)
+    except PersonError:
+        return Sound()
+
+
+def open_picture(
+    played: Played, loaded: LoadedShow, venue: Venue | None, *, hidden: bool, show: Show | None = None
+) -> Any:
+    """Windows with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once,
+    so that everything is there."""
+    from live.render.window.monitors import list_monitors
+
+    if played.headless or not list_monitors():
+        return None
+    from live.app.headless_loop import find_screen
+    from live.app.window_loop import Picture
+
+    scene = loaded.scene(whole=False)
+    try:
+        monitor = find_screen(played.monitor)
+    except PersonError:  # unplugged since: any other is better than none
+        monitor = None
+    picture = Picture.opened(
+        played.wish, scene, monitor=monitor, fullscreen=played.fullscreen, hidden=hidden, venue=venue,
+    )  # fmt: skip
+    picture.rehearse(show or loaded.start(seed=played.wish.seed))
+    return picture
+
+
+def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow, Show]:
+    """Load everything while a show runs, and bear engines; comes back in each of them with its own lifeline, and with a
+    show that it may draw to rehearse."""
+    processors = stand_back()
+    warm_kernels(console)
+    for name in ("headless_loop", *(() if played.headless else ("window_loop",))):
+        importlib.import_module(f"live.app.{name}")  # what an heir needs, all the way down
+    if not played.headless:
+        from live.render.body.body_mesh import COARSE, FINE, LIGHT, build_body
+        from live.render.window.monitors import load_glfw
+
+        with contextlib.suppress(ImportError):
+            load_glfw()
+        for level in (COARSE, LIGHT, FINE):
+            build_body(level)
+    loaded = played.wish.load(whole=False)
+    show = loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
+    come_forward(0, processors)
+    gc.collect()
+    gc.freeze()
+    return wait_to_be_born(nursery), loaded, show

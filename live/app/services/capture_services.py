@@ -1,0 +1,123 @@
+"""The part of a live show to which places of trackers come over the network, by PosiStageNet.
+
+The part of a live show to which real dancers' bodies come over the network, by the VMC protocol.
+"""
+
+import ipaddress
+import re
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from live.app.option_values import parse_endpoint, with_port
+from live.base.errors import PersonError
+from live.base.event_queue import Lane
+from live.clock.time_source import Clock
+from live.control.capture.posistagenet import GROUP, PORT, PsnInput
+from live.control.capture.vmc_input import Seat, VmcInput
+from live.control.events.events import ControlEvent
+from live.control.osc.osc_socket import CannotListen
+from live.show.patch.patch import Patch
+from live.show.show import Show
+from live.show.venue.venue import Venue
+
+if TYPE_CHECKING:
+    from live.app.launch_options import Wish
+
+
+def parse_psn(text: str, name: str = "--psn") -> tuple[str, int, str]:
+    """[GROUP:]PORT or GROUP, with @ADDRESS of a network card behind it, if it matters which; PersonError otherwise."""
+    match = re.fullmatch(r"\s*([^@\s]+)(?:@(\d{1,3}(?:\.\d{1,3}){3}))?\s*", text)
+    if match is None:
+        raise PersonError(f"{name} {text!r}: GROUP:PORT or GROUP:PORT@ADDRESS expected", f"{name} {GROUP}:{PORT}")
+    try:
+        card = str(ipaddress.IPv4Address(match[2])) if match[2] else ""
+    except ValueError:
+        raise PersonError(f"{name} {text!r}: {match[2]} is no address of a card", f"{name} {GROUP}:{PORT}") from None
+    return *parse_endpoint(with_port(match[1], PORT), name), card
+
+
+class PsnPart:
+    """Between the show and the socket. Thread: the one that runs the show."""
+
+    def __init__(self, host: str, port: int, card: str, lane: Lane[ControlEvent], clock: Clock) -> None:
+        self._input = PsnInput(host, port, card, lane, clock)
+        self._words = f"{host}:{port}" + (f"@{card}" if card else "")
+
+    def start(self) -> None:
+        """Begin to listen; PersonError if that cannot be."""
+        try:
+            self._input.start()
+        except CannotListen as error:
+            raise PersonError(str(error).replace("OSC cannot", "PosiStageNet cannot")) from None
+
+    def stop(self) -> None:
+        """Free the port."""
+        self._input.stop()
+
+    def frame(self) -> None:
+        """After each frame; nothing is to be done."""
+
+    def refused(self) -> Counter[str]:
+        """What was refused, by reason."""
+        return Counter(self._input.rejected.as_dict())
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        return {"at": self._words, **self._input.facts()}
+
+
+def make_psn(wish: "Wish", venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> PsnPart | None:
+    """What `--psn` or the venue asks for, to be started; None if nobody is to be heard."""
+    named = None if venue is None or venue.psn.at is None else parse_psn(venue.psn.at, "[psn] at")
+    wanted = named if wish.psn is None else parse_psn(wish.psn)
+    return None if wanted is None else PsnPart(*wanted, lane, clock)
+
+
+class VmcPart:
+    """Between the show and the sockets. Thread: the one that runs the show."""
+
+    def __init__(
+        self, endpoints: tuple[tuple[str, int], ...], show: Show, lane: Lane[ControlEvent], clock: Clock
+    ) -> None:
+        self._show = show
+        self._input = VmcInput(endpoints, seats_of(show.patch), lane, clock)
+        self._words = [f"{host}:{port}" for host, port in endpoints]
+
+    def start(self) -> None:
+        """Begin to listen; PersonError if that cannot be."""
+        try:
+            self._input.start()
+        except CannotListen as error:
+            raise PersonError(str(error).replace("OSC cannot", "VMC cannot")) from None
+
+    def stop(self) -> None:
+        """Free the ports."""
+        self._input.stop()
+
+    def frame(self) -> None:
+        """After each frame; nothing is to be done."""
+
+    def take_patch(self, patch: Patch) -> None:
+        """The performers are those of another patch."""
+        self._input.reseat(seats_of(patch))
+
+    def refused(self) -> Counter[str]:
+        """What was refused, by reason."""
+        return Counter(self._input.rejected.as_dict())
+
+    def status(self) -> dict[str, Any]:
+        """For the status line: what comes, and what becomes of it on the stage."""
+        stage = self._show.mocap.facts(self._show.time)
+        return {"at": self._words, **self._input.facts(), "stage": stage}
+
+
+def seats_of(patch: Patch) -> tuple[Seat, ...]:
+    """The performers of a patch."""
+    return tuple(Seat(each.name, each.port, each.sender, each.floor) for each in patch.mocap)
+
+
+def make_vmc(wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> VmcPart | None:
+    """What `--vmc` or the venue asks for, to be started; None if nobody is to be heard."""
+    named = () if venue is None else venue.vmc.at
+    endpoints = wish.vmc or tuple(parse_endpoint(with_port(each, 39539), "[vmc] at") for each in named)
+    return VmcPart(endpoints, show, lane, clock) if endpoints else None

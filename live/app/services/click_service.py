@@ -1,0 +1,69 @@
+"""The part of a live show that clicks for the players.
+
+The part of a live show that is in an Ableton Link session.
+"""
+
+from typing import Final, cast
+
+from rich.console import Console
+
+from live.base.errors import PersonError, named
+from live.base.event_queue import Inbox
+from live.clock.time_source import Clock
+from live.control.events.events import ControlEvent
+from live.control.link.link_session import LinkSession, LinkUnavailable, Mode
+from live.show.show import Show
+from live.show.sound.click_link import OnClick, OnLink
+from live.show.venue.venue import Venue
+
+
+def make_click(
+    device: str | None, channels: str | None, venue: Venue | None, show: Show, clock: Clock
+) -> OnClick | None:
+    """What `--click` or the venue asks for, to be started; None if nothing. PersonError that lists what there is."""
+    audio = None if venue is None else venue.audio
+    wanted = device or (None if audio is None else audio.click)
+    if wanted is None:
+        if channels is not None:
+            raise PersonError("--click-channels without --click", "--click DEVICE, see `live devices`")
+        return None
+    from live.control.audio.channel_mixer import Channels
+    from live.control.audio.click_output import ClickOutput
+    from live.control.audio.devices import SoundUnavailable, UnknownDevice
+    from live.show.sound.soundtrack import click_voices
+
+    own = "1,2" if audio is None or audio.click_channels is None else ",".join(map(str, audio.click_channels))
+    with named("--click-channels"):
+        chosen = Channels.of(channels or own)
+    later = 0.0 if venue is None else venue.latency.click_ms / 1000.0
+    try:
+        output = ClickOutput(wanted, clock, click_voices, channels=chosen, later=later)
+    except (UnknownDevice, SoundUnavailable) as error:
+        raise PersonError(f"--click {wanted!r}: {error}") from None
+    return OnClick(show, output)
+
+
+OFF: Final = "off"
+
+
+def make_link(
+    wanted: str | None, show: Show, inbox: Inbox[ControlEvent], clock: Clock, console: Console
+) -> OnLink | None:
+    """What `--link` or the patch asks for, to be started; None if nothing, or (with a note) if Link is not there."""
+    section = show.patch.link
+    mode = wanted or section.mode
+    if mode == OFF:
+        return None
+    try:
+        session = LinkSession(
+            inbox,
+            clock,
+            tempo=show.follower.tempo,
+            beats_per_measure=show.timeline.beats_per_measure,
+            mode=cast(Mode, mode),
+            start_stop=section.start_stop,
+        )
+    except LinkUnavailable as error:
+        console.print(f"note: {error}; the show goes on without it", style="yellow", soft_wrap=True, markup=False)
+        return None
+    return OnLink(show, session)

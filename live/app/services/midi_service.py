@@ -1,0 +1,266 @@
+"""The part of a live show that is on MIDI: a port that is listened to, one that is told present values, and one that
+the beat is sent to.
+
+The part of a show that is a MIDI file: its tempo map leads the beat, its notes work what the patch's map says.
+"""
+
+import queue
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from live.app.services.midi_learning import MidiKeeping, MidiLearning
+from live.base.errors import PersonError
+from live.base.event_queue import Inbox
+from live.clock.midi.midi_clock import MidiClock
+from live.clock.midi.time_code import TimeCodeClock
+from live.clock.note_energy import NoteEnergy
+from live.clock.ticks import TICK
+from live.clock.time_source import Clock
+from live.control.events.events import ControlEvent, ForgetMidi, LearnMidi
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_clock_process import MidiClockProcess
+from live.control.midi.midi_feedback import MidiFeedback, MidiOutput
+from live.control.midi.midi_file import MidiSongPlayer, read_song
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_mapping import MidiMap
+from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port
+from live.control.midi.midi_streams import Direction
+from live.control.registry.control import RANKS
+from live.control.registry.registry import Changes, Values
+from live.show.engine import Engine
+from live.show.patch.patch import Patch
+from live.show.show import Show
+from live.show.venue.venue import Venue, VenueMidi
+
+if TYPE_CHECKING:
+    from live.app.launch_options import Wish
+
+
+OFF: Final = "off"
+
+
+class OnMidi:
+    """Between the show and its MIDI ports. Thread: the one that runs the show."""
+
+    def __init__(
+        self,
+        show: Show,
+        clock: Clock,
+        patch: Path,
+        *,
+        listens: MidiInput | None = None,
+        midi_map: MidiMap | None = None,
+        tells: MidiOutput | None = None,
+        sends: MidiClockProcess | None = None,
+        values: Values | None = None,
+    ) -> None:
+        """`listens` plays by `midi_map`; `tells` is told `values`; `sends` the beat. `patch`: where it is kept."""
+        self._show, self._clock = show, clock
+        self._listens, self._tells, self._sends = listens, tells, sends
+        self._values = values or Values()
+        self._map = midi_map or MidiMap((), self._values)
+        self._feedback = MidiFeedback(self._map, self._values)
+        self._opened = 0
+        self._kept = ""
+        self._moved: queue.SimpleQueue[Binding] = queue.SimpleQueue()
+        self.learning = MidiLearning(show.patch.midi, listens, MidiKeeping(patch, self._hear_kept))
+        if listens is not None:
+            listens.on_learned = self._moved.put
+        self._take()
+
+    def start(self) -> None:
+        """Open the ports; those that are not there are waited for."""
+        for part in (self._listens, self._tells, self._sends):
+            if part is not None:
+                part.start()
+
+    def stop(self) -> None:
+        """Close them; listeners of the clock are told to stop."""
+        for part in (self._listens, self._tells, self._sends):
+            if part is not None:
+                part.stop()
+
+    def take_patch(self, patch: Patch) -> None:
+        """Notes and controllers do what another patch says from now on."""
+        self.learning.take(patch.midi)
+        self._take()
+
+    def act(self, event: ControlEvent) -> None:
+        """What was asked of the ports."""
+        if isinstance(event, LearnMidi | ForgetMidi):
+            self.learning.ask(event, self._take)
+
+    def tell(self, changes: Changes) -> None:
+        """These have new values in the show."""
+        self._values.take(changes)
+        self._feedback.changed(changes)
+
+    def frame(self) -> None:
+        """After each frame: how the show runs."""
+        timeline = self._show.timeline
+        if self._sends is not None:
+            self._sends.follow(timeline)
+        if self._listens is not None:
+            self._listens.beats_per_measure = timeline.beats_per_measure
+            if self._listens.notes is not None:
+                self._listens.notes.tempo = timeline.tempo
+        while not self._moved.empty():
+            self.learning.learned(self._moved.get())
+            self._take()
+        if self._tells is not None:
+            self._give(self._tells)
+
+    def _give(self, tells: MidiOutput) -> None:
+        """Tell what has changed; somebody who was plugged in just now, everything."""
+        if tells.opened != self._opened:
+            self._opened = tells.opened
+            self._feedback.afresh()
+        if not tells.connected:
+            return
+        now = self._clock.now()
+        for message in self._feedback.turn(now):
+            if self._listens is not None:
+                self._listens.echoes[message] = now
+            tells.send(message)
+
+    def _take(self) -> None:
+        bindings = self.learning.bindings
+        self._map.take(bindings)
+        self._feedback.take(bindings)
+
+    def _hear_kept(self, words: str) -> None:
+        self._kept = words
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        parts = (("in", self._listens), ("told", self._tells), ("out", self._sends))
+        facts: dict[str, Any] = {name: part.facts() for name, part in parts if part is not None}
+        return facts | {"learns": self.learning.waits_for, "said": self.learning.said, "kept": self._kept}
+
+    def problem(self) -> str:
+        """What a person should know."""
+        parts = (self._listens, self._tells, self._sends)
+        told = (f"MIDI {part.name!r}: {part.problem}" for part in parts if part is not None and part.problem)
+        return next(told, "")
+
+    def note(self) -> str:
+        """What somebody is waited for to do, for the overlay."""
+        address = self.learning.waits_for
+        return f"MIDI: move what shall work {address} (Esc: nothing after all)" if address else ""
+
+    def said(self) -> str:
+        """What was learned or forgotten last, and what became of it."""
+        return "; ".join(words for words in (self.learning.said, self._kept) if words)
+
+    def refusal(self) -> str:
+        """What was played, or asked to be learned, and refused last."""
+        if self.learning.refused:
+            return self.learning.refused
+        refused = None if self._listens is None else self._listens.last_rejection
+        return "" if refused is None else f"MIDI: {refused}"
+
+
+def make_midi(
+    wish: "Wish", show: Show, venue: Venue | None, inbox: Inbox[ControlEvent], clock: Clock, patch: Path
+) -> OnMidi:
+    """What `--midi`, `--midi-out` and `--midi-clock-out`, the venue or the patch ask for, to be started; perhaps
+    nothing. `patch` is its file.
+
+    A port that is named on the command line must be there: PersonError, which lists those that are.
+    """
+    section = show.patch.midi
+    of_venue = VenueMidi() if venue is None else venue.midi
+    source = _named("input", "--midi", wish.midi, of_venue.input, section.input)
+    told = _named("output", "--midi-out", wish.midi_out, of_venue.output, section.output)
+    target = _named("output", "--midi-clock-out", wish.midi_clock_out, of_venue.clock_out, section.clock_out)
+    metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
+    values = Values()
+    midi_map = MidiMap(section.bindings, values)
+    listens = None
+    if source is not None:
+        listens = MidiInput(
+            source,
+            inbox.lane(rank=RANKS["musician"]),
+            clock,
+            decoder=MidiClock(beats_per_measure=metre, tempo=tempo),
+            time_code=TimeCodeClock(
+                tempo=section.time_code_bpm or show.patch.clock.bpm,
+                offset=section.time_code_offset_s,
+                beats_per_measure=metre,
+            ),
+            midi_map=midi_map,
+            notes=None if wish.midi_file is not None else NoteEnergy(tempo=tempo),
+            clocked=wish.midi_file is None,  # else the file leads
+        )
+    return OnMidi(
+        show,
+        clock,
+        patch,
+        listens=listens,
+        midi_map=midi_map,
+        tells=None if told is None else MidiOutput(told, clock),
+        sends=None if target is None else MidiClockProcess(target, clock),
+        values=values,
+    )
+
+
+def _named(
+    direction: Direction, option: str, wished: str | None, of_venue: str | None, of_patch: str | None
+) -> str | None:
+    """The port that is asked for, its whole name where it is there."""
+    if wished == OFF:
+        return None
+    if wished is None:
+        return of_venue or of_patch
+    try:
+        return find_port(direction, wished)
+    except UnknownPort as error:
+        raise PersonError(f"{option} {wished!r}: {error}", "see `live devices`") from None
+    except MidiUnavailable as error:
+        raise PersonError(f"{option} {wished!r}: {error}", "see `live doctor`") from None
+
+
+class MidiFilePart:
+    """Between a show and a song. Thread: the one that runs the show; live and offline alike."""
+
+    def __init__(self, path: Path, show: Show, engine: Engine, *, begun: int = 0) -> None:
+        """`begun`: the tick after which the show is gone on with. PersonError for a file that cannot be played."""
+        self._show = show
+        song = read_song(path)
+        self._player = MidiSongPlayer(song, _bindings(show.patch), beats_per_measure=show.timeline.beats_per_measure)
+        if begun:
+            self._due((begun + 1) * TICK)  # another engine has told that
+        engine.timed.append(self._due)
+        engine.patched.append(self.take_patch)
+
+    def take_patch(self, patch: Patch) -> None:
+        """Its notes do what another patch says from now on."""
+        self._player.take(_bindings(patch))
+
+    def start(self) -> None:
+        """Nothing is to be opened."""
+
+    def stop(self) -> None:
+        """Nothing is to be closed."""
+
+    def frame(self) -> None:
+        """After each frame; it goes by ticks."""
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        return self._player.facts()
+
+    def _due(self, until: float) -> list[ControlEvent]:
+        timeline = self._show.timeline
+        return self._player.due(until, tempo=timeline.tempo, beats_per_measure=timeline.beats_per_measure)
+
+
+def play_file(path: Path | None, show: Show, engine: Engine) -> None:
+    """Let a file, if there is one, lead a show that nobody watches."""
+    if path is not None:
+        MidiFilePart(path, show, engine)
+
+
+def _bindings(patch: Patch) -> tuple[Binding, ...]:
+    """What a person wrote and taught; the pedals and keys that work without a map are for hands and feet."""
+    return patch.midi.bindings if patch.midi.map or patch.midi.learned else ()

@@ -1,0 +1,392 @@
+"""The picture's parameters: light, colours and camera as one row of numbers that may change while a show runs.
+
+One table says all of them, with address, range, start value and unit: controls, scenes, fades, the reference and the
+renderer are made from it. A new one is a new line here, and a use in the renderer. Colours are linear RGB.
+
+How a camera sees beyond its place and angle, and how it moves: parameters of the picture's row, one line each.
+
+They lie behind the camera's eye, target and angle of view in `live.base.picture_parameters`.
+
+How the dancers of a group are drawn: the parameters that every group has for itself, each one line here.
+
+Styles are amounts from 0 to 1 that add up as they come, so that one fades into another; they are part of the picture's
+row (`live.base.picture_parameters`), after the groups' colours. Colours are linear RGB.
+
+Lamps beside key and rim light: sides, back, beams in the haze, follow spots; what the light answers. One line each.
+
+Parameters of the picture's row (`live.base.picture_parameters`); colours are linear RGB.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.custom_pass import MOST_PASSES, NUMBERS, own_numbers
+from live.base.stage_snapshot import SPOT_CAPACITY, Camera, Look, Scene
+
+Kind = Literal["number", "colour", "place"]
+
+CAMERA_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, str], ...]] = (
+    ("/dance/camera/roll", "number", -360, 360, (0.0,), "degrees", "How far the camera is turned about its axis."),
+    (
+        "/dance/camera/shift_x", "number", -5, 5, (0.0,), "widths",
+        "Lens shift to the right: how far the middle of the picture lies beside the camera's axis.",
+    ),
+    (
+        "/dance/camera/shift_y", "number", -5, 5, (0.0,), "heights",
+        "Lens shift upwards: how far the middle of the picture lies above the camera's axis.",
+    ),
+    ("/dance/camera/stretch", "number", 0.1, 10, (1.0,), "", "How much wider than high a square is drawn."),
+    ("/dance/camera/skew", "number", -5, 5, (0.0,), "", "How far a square's upper edge is pushed to the right."),
+    (
+        "/dance/camera/orbit", "number", -4, 4, (0.0,), "turns/measure",
+        "How fast the camera goes around what it looks at, to its right; 0.125 is once in eight measures.",
+    ),
+    (
+        "/dance/camera/following", "number", 0, 1, (0.0,), "",
+        "How far the camera turns to whom it follows; 0: it looks where it is told.",
+    ),
+    (
+        "/dance/camera/along", "number", 0, 1, (0.0,), "",
+        "How far the camera itself goes along with whom it follows; 0: it turns where it stands.",
+    ),
+    (
+        "/dance/camera/plan", "number", 0, 1, (0.0,), "",
+        "How much of the plan is drawn over the picture: circles with triangles, where they came from.",
+    ),
+)  # fmt: skip
+"""Address, kind, least, most, start, unit, words."""
+
+
+AMOUNTS: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
+"""The styles; what each group has of them is at `/dance/draw/NAME`."""
+MOST_GHOSTS: Final = 8
+LONGEST_RIBBON: Final = 8.0
+"""[beats]"""
+
+STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, str], ...]] = (
+    ("solid", "number", 0, 1, (1.0,), "", "How much of a group's dancers is drawn as lit bodies."),
+    ("silhouette", "number", 0, 1, (0.0,), "", "How much of them is one flat colour, for projection on gauze."),
+    ("silhouette/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Colour of the silhouettes."),
+    ("ink", "number", 0, 1, (0.0,), "", "How much of them is drawn as ink lines along their contours."),
+    ("ink/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Colour of the ink."),
+    ("ink/width", "number", 0.5, 8, (2.4,), "pixels", "How broad the ink is in a picture 1080 pixels high."),
+    ("particles", "number", 0, 1, (0.0,), "", "How much of them are points of light on their skin."),
+    ("particles/share", "number", 0, 1, (0.7,), "", "How many of the points there are."),
+    ("particles/drift", "number", 0, 1, (0.35,), "", "How far points leave the skin and rise while they fade."),
+    ("ribbons", "number", 0, 1, (0.0,), "", "How strong the ribbons are that hands and feet draw."),
+    ("ribbons/beats", "number", 0.25, LONGEST_RIBBON, (2.0,), "beats", "How long the ribbons stay."),
+    ("trails", "number", 0, 1, (0.0,), "", "How strong the ghosts are that they leave behind on the beat."),
+    ("trails/ghosts", "number", 1, MOST_GHOSTS, (4.0,), "", "How many ghosts each dancer leaves."),
+    ("trails/spacing", "number", 0.25, 16, (1.0,), "beats", "How many beats lie between two ghosts."),
+    ("xray", "number", 0, 1, (0.0,), "", "How much of them is a skeleton that glows in a body of glass."),
+    ("variety", "number", 0, 1, (0.2,), "", "How much the colours of a group's dancers differ."),
+    ("pulse", "number", 0, 1, (0.0,), "", "How much their colours answer the beat."),
+    ("sheen", "number", 0, 3, (1.0,), "", "How much their clothes shine in the light."),
+    ("emission", "number", 0, 2, (0.0,), "", "How much their clothes give light of their own."),
+)
+"""Name under `/dance/draw/`, kind, least, most, start, unit, words."""
+
+
+_Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
+
+SPOTS: Final = SPOT_CAPACITY
+"""Follow spots there are."""
+
+
+BACKGROUNDS: Final = 8
+"""Images and videos behind the dancers that a patch can have."""
+
+
+def _spot(number: int) -> tuple[_Line, ...]:
+    at = f"/dance/spot/{number}"
+    return (
+        (
+            at,
+            "number",
+            0,
+            4,
+            (0.0,),
+            "",
+            f"Strength of follow spot {number}; 1 is usual.",
+        ),
+        (f"{at}/colour", "colour", 0, 1, (1.0, 0.95, 0.86), "", f"Colour of follow spot {number}."),
+        (
+            f"{at}/radius",
+            "number",
+            0.2,
+            8,
+            (0.9,),
+            "m",
+            f"How far follow spot {number} reaches around her.",
+        ),
+    )
+
+
+LIGHT_LINES: Final[tuple[_Line, ...]] = (
+    ("/dance/light/side", "number", 0, 4, (0.0,), "", "Strength of the light from both sides, low, as for dance."),
+    ("/dance/light/side/left", "colour", 0, 1, (1.0, 0.42, 0.16), "", "Colour of the light from the left."),
+    ("/dance/light/side/right", "colour", 0, 1, (0.16, 0.36, 1.0), "", "Colour of the light from the right."),
+    ("/dance/light/back", "number", 0, 4, (0.0,), "", "Strength of the light from straight behind and above."),
+    ("/dance/light/back/colour", "colour", 0, 1, (1.0, 0.86, 0.70), "", "Colour of the light from straight behind."),
+    ("/dance/light/beams", "number", 0, 4, (0.0,), "", "Strength of the beams that are seen in the haze."),
+    ("/dance/light/beams/colour", "colour", 0, 1, (0.5, 0.7, 1.0), "", "Colour of the beams; every other is warmer."),
+    ("/dance/light/beams/width", "number", 0.01, 0.5, (0.07,), "", "How fast a beam grows wider on its way."),
+    (
+        "/dance/light/beams/fan", "number", -2, 2, (0.5,), "",
+        "Where the beams meet the floor: 1 below their lamps, 0 all in the middle, -1 crossed.",
+    ),
+    ("/dance/light/beams/sway", "number", 0, 1, (0.35,), "", "How far the beams swing, there and back in eight beats."),
+    ("/dance/light/pulse", "number", 0, 1, (0.06,), "", "How much all light answers the beat."),
+    ("/dance/light/energy", "number", 0, 1, (0.0,), "", "How much all light follows the energy of the music."),
+    (
+        "/dance/light/stage", "number", 0, 1, (1.0,), "",
+        "How much of floor and wall is seen; 0: dancers alone before true black, as for a gauze.",
+    ),
+    ("/dance/background/gradient", "number", 0, 1, (0.0,), "", "How much the wall is a gradient of two colours."),
+    ("/dance/background/top", "colour", 0, 1, (0.02, 0.03, 0.12), "", "Colour of that gradient above."),
+    ("/dance/background/bottom", "colour", 0, 1, (0.30, 0.07, 0.05), "", "Colour of that gradient below."),
+    *(
+        (f"/dance/background/{number}", "number", 0, 1, (0.0,), "", f"How much of [[background]] {number} is seen.")
+        for number in range(1, BACKGROUNDS + 1)
+    ),
+    *(line for number in range(1, SPOTS + 1) for line in _spot(number)),
+)  # fmt: skip
+"""Address, kind, least, most, start, unit, words."""
+BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/top", "/dance/background/bottom")
+"""Those of them that the kept backdrop shows."""
+
+
+Float64 = npt.NDArray[np.float64]
+
+GROUPS: Final = 16
+"""Groups that have a colour of their own."""
+COLOUR_OF_GROUP: Final = "/dance/group/colour"
+
+
+@dataclass(frozen=True, slots=True)
+class PictureParameter:
+    """One parameter: a number, a colour (r, g, b) or a place or direction (x, y, z)."""
+
+    address: str
+    kind: Kind
+    low: float
+    high: float
+    start: tuple[float, ...]
+    """Where it is if patch and scene say nothing."""
+    unit: str
+    words: str
+    first: int
+    """Where its first number lies in the row."""
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return 1 if self.kind == "number" else 3
+
+    @property
+    def where(self) -> slice:
+        """Its numbers in the row."""
+        return slice(self.first, self.first + self.size)
+
+
+_LOOK: Final = Look()
+_CAMERA: Final = Camera()
+_LINES: Final[tuple[_Line, ...]] = (
+    ("/dance/light/level", "number", 0, 2, (1.0,), "", "All light together; 1 is the usual light, 0 is dark."),
+    ("/dance/light/key", "number", 0, 4, (1.0,), "", "Strength of the light from the front, which casts the shadows."),
+    ("/dance/light/key/colour", "colour", 0, 1, _LOOK.key_light, "", "Colour of the light from the front."),
+    (
+        "/dance/light/key/direction", "place", -100, 100, _LOOK.key_direction, "",
+        "Where the light from the front goes: x, y (up), z; its length means nothing.",
+    ),
+    ("/dance/light/rim", "number", 0, 4, (1.0,), "", "Strength of the light from behind, and of its beams."),
+    ("/dance/light/rim/colour", "colour", 0, 1, _LOOK.rim_light, "", "Colour of the light from behind."),
+    ("/dance/light/ambient", "number", 0, 1, (_LOOK.ambient,), "", "Strength of the light from everywhere."),
+    ("/dance/light/ambient/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Tint of the light from everywhere."),
+    ("/dance/light/haze", "number", 0, 1, (_LOOK.haze,), "1/m", "How fast the depth of the stage fades."),
+    ("/dance/light/background", "colour", 0, 1, _LOOK.background, "", "Colour of the dark behind the stage."),
+    ("/dance/light/floor", "colour", 0, 1, _LOOK.floor, "", "Colour of the floor."),
+    ("/dance/light/saturation", "number", 0, 2, (1.0,), "", "How colourful all is; 0 is black and white."),
+    ("/dance/camera/eye", "place", -1000, 1000, _CAMERA.eye, "m", "Where the camera stands: x, y (up), z."),
+    ("/dance/camera/target", "place", -1000, 1000, _CAMERA.target, "m", "What the camera looks at: x, y (up), z."),
+    (
+        "/dance/camera/field_of_view", "number", 5, 120, (_CAMERA.field_of_view_deg,), "degrees",
+        "The camera's vertical angle of view.",
+    ),
+    *CAMERA_LINES,
+    *LIGHT_LINES,
+    ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
+    ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "How bright the dancers' images in the floor are; 0: none."),
+    (
+        "/dance/pass/trails", "number", 0, 1, (0.0,), "",
+        "Trails behind whatever is bright and moves; less is shorter, 0: none.",
+    ),
+    (
+        "/dance/pass/trails/beats", "number", 0.05, 64, (1.0,), "beats",
+        "After how many beats a trail is half as bright.",
+    ),
+    ("/dance/pass/trails/zoom", "number", -2, 2, (0.0,), "1/beat", "How fast trails grow out of the middle."),
+    ("/dance/pass/trails/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "What white trails turn to as they fade."),
+    ("/dance/pass/bloom", "number", 0, 4, (1.0,), "", "Glow around what is bright, where quality allows; 0: none."),
+    ("/dance/pass/ink", "number", 0, 1, (0.0,), "", "Lines of ink around dancers and where they bend; 0: none."),
+    ("/dance/pass/ink/width", "number", 0.5, 8, (1.5,), "px", "How wide they are, in a picture of 720 lines."),
+    ("/dance/pass/ink/colour", "colour", 0, 1, (0.004, 0.004, 0.008), "", "Colour of the ink."),
+    ("/dance/pass/ink/paper", "number", 0, 1, (0.0,), "", "How much the picture under the ink gives way to paper."),
+    ("/dance/pass/ink/paper/colour", "colour", 0, 1, (0.90, 0.80, 0.64), "", "Colour of the paper."),
+    ("/dance/pass/grade", "number", 0, 1, (1.0,), "", "How much of the colour grade is seen."),
+    ("/dance/pass/grade/lift", "colour", -1, 1, (0.0, 0.0, 0.0), "", "What the grade adds to the darks."),
+    ("/dance/pass/grade/gamma", "colour", 0.2, 5, (1.0, 1.0, 1.0), "", "How bright the grade makes the middle."),
+    ("/dance/pass/grade/gain", "colour", 0, 4, (1.0, 1.0, 1.0), "", "By what the grade multiplies the brights."),
+    ("/dance/pass/grade/contrast", "number", 0, 2, (1.0,), "", "Contrast about mid grey."),
+    ("/dance/pass/grade/temperature", "number", -1, 1, (0.0,), "", "Colder below 0, warmer above."),
+    ("/dance/pass/vignette", "number", 0, 1.5, (1.0,), "", "How much darker the picture's corners are; 0: not at all."),
+)  # fmt: skip
+
+
+def _laid_out() -> tuple[PictureParameter, ...]:
+    first, table = 0, []
+    for address, kind, low, high, start, unit, words in _LINES:
+        table.append(PictureParameter(address, kind, low, high, start, unit, words, first))
+        first += table[-1].size
+    return tuple(table)
+
+
+PARAMETERS: Final = _laid_out()
+"""All of them but what every group has for itself, in the order of the row."""
+BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
+OWN: Final = slice(
+    PARAMETERS[-1].first + PARAMETERS[-1].size, PARAMETERS[-1].first + PARAMETERS[-1].size + MOST_PASSES * NUMBERS
+)
+"""The numbers of a patch's own passes (`own_pass.own_numbers`)."""
+COLOURS: Final = OWN.stop
+"""Where the groups' colours begin, three numbers for each."""
+STYLES: Final = COLOURS + 3 * GROUPS
+"""Where the groups' styles begin, `STYLE_SIZE` numbers for each."""
+STYLE_OF_GROUP: Final = "/dance/draw/"
+"""What the addresses of all styles begin with."""
+
+
+def colour_of_group(group: int) -> PictureParameter:
+    """The colour of a group, by its index below `GROUPS`."""
+    words = "Colour of the clothes of a group."
+    return PictureParameter(COLOUR_OF_GROUP, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS + 3 * group)
+
+
+def _styles() -> dict[str, PictureParameter]:
+    first, table = STYLES, {}
+    for name, kind, low, high, start, unit, words in STYLE_LINES:
+        address = STYLE_OF_GROUP + name
+        table[address] = PictureParameter(address, kind, low, high, start, unit, words, first)
+        first += table[address].size
+    return table
+
+
+OF_GROUPS: Final = {COLOUR_OF_GROUP: colour_of_group(0)} | _styles()
+"""What every group has for itself, by address, where the first group has it."""
+STYLE_SIZE: Final = sum(known.size for known in OF_GROUPS.values()) - 3
+SIZE: Final = STYLES + STYLE_SIZE * GROUPS
+"""Numbers of the row."""
+
+
+def of_group(address: str, group: int) -> PictureParameter:
+    """The parameter of `OF_GROUPS` at an address, of a group by its index below `GROUPS`."""
+    known = OF_GROUPS[address]
+    stride = 3 if address == COLOUR_OF_GROUP else STYLE_SIZE
+    return replace(known, first=known.first + stride * group)
+
+
+def _where(*addresses: str) -> npt.NDArray[np.intp]:
+    return np.concatenate([np.arange(SIZE)[BY_ADDRESS[address].where] for address in addresses])
+
+
+EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
+TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
+FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
+ROLL: Final = BY_ADDRESS["/dance/camera/roll"].first
+"""Here begin, side by side: roll, lens shift to the right and upwards, stretch, skew."""
+ORBIT: Final = BY_ADDRESS["/dance/camera/orbit"].first
+FOLLOWING: Final = BY_ADDRESS["/dance/camera/following"].first
+ALONG: Final = BY_ADDRESS["/dance/camera/along"].first
+PLAN: Final = BY_ADDRESS["/dance/camera/plan"].first
+LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
+SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
+MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
+VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
+CAMERA: Final = slice(EYE.start, PLAN + 1)
+"""The camera's numbers, which lie side by side."""
+LENS: Final = slice(EYE.start, ORBIT)
+"""Those of them that a picture depends on: where the camera is, and how it sees."""
+STANDING: Final = _where(
+    "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
+    "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
+    *BACKDROP_PARAMETERS,
+    *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
+)  # fmt: skip
+"""The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""
+
+
+def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float]]:
+    """A camera's values by address: places [m], angles [degrees], the others are shares."""
+    return {
+        "/dance/camera/eye": camera.eye,
+        "/dance/camera/target": camera.target,
+        "/dance/camera/field_of_view": camera.field_of_view_deg,
+        "/dance/camera/roll": camera.roll_deg,
+        "/dance/camera/shift_x": camera.shift[0],
+        "/dance/camera/shift_y": camera.shift[1],
+        "/dance/camera/stretch": camera.stretch,
+        "/dance/camera/skew": camera.skew,
+    }
+
+
+def picture_of(scene: Scene) -> Float64:
+    """The row of a scene's camera and look, shape (SIZE,): float64, so that it is exactly what the scene says."""
+    row = np.zeros(SIZE)
+    look, camera = scene.look, scene.camera
+    said: dict[str, float | tuple[float, ...]] = {
+        "/dance/light/level": look.level,
+        "/dance/light/key": look.key,
+        "/dance/light/key/colour": look.key_light,
+        "/dance/light/key/direction": look.key_direction,
+        "/dance/light/rim": look.rim,
+        "/dance/light/rim/colour": look.rim_light,
+        "/dance/light/ambient": look.ambient,
+        "/dance/light/ambient/colour": look.ambient_colour,
+        "/dance/light/saturation": look.saturation,
+        "/dance/light/haze": look.haze,
+        "/dance/light/background": look.background,
+        "/dance/light/floor": look.floor,
+        **camera_values(camera),
+    }
+    for parameter in PARAMETERS:
+        row[parameter.where] = said.get(parameter.address, parameter.start)
+    own = own_numbers(scene.own)
+    for number in own.values():
+        row[OWN.start + number.place] = number.start
+    for address, numbers in scene.start:
+        if address in own:
+            row[OWN.start + own[address].place] = numbers[0]
+        else:
+            row[BY_ADDRESS[address].where] = numbers
+    colours = look.group_colours or ((0.8, 0.8, 0.8),)
+    row[COLOURS:STYLES] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
+    row[STYLES:] = [value for group in range(GROUPS) for value in _drawn(look, group)]
+    return row
+
+
+def _drawn(look: Look, group: int) -> Float64:
+    """The numbers of a group's styles, shape (STYLE_SIZE,): the table's, and what the look says of this group."""
+    said = dict(look.group_styles[group]) if group < len(look.group_styles) else {}
+    numbers = [said.get(address, known.start) for address, known in OF_GROUPS.items() if address != COLOUR_OF_GROUP]
+    return np.concatenate([np.atleast_1d(np.asarray(value, np.float64)) for value in numbers])
+
+
+def camera_of(row: Float64) -> Camera:
+    """The camera of a row."""
+    eye, target = row[EYE].tolist(), row[TARGET].tolist()
+    roll, right, up, stretch, skew = row[ROLL : ROLL + 5].tolist()
+    angle = float(row[FIELD_OF_VIEW])
+    return Camera((eye[0], eye[1], eye[2]), (target[0], target[1], target[2]), angle, roll, (right, up), stretch, skew)

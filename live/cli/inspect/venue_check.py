@@ -1,0 +1,208 @@
+"""What `live check SHOW --venue V` looks at before doors open: the show, its score, and the hall's devices."""
+
+import shutil
+import socket
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from live.base.errors import PersonError
+from live.cli.venue.devices import Section, audio, midi
+from live.cli.venue.doctor import Check, check_kernels, check_monitors, check_opengl
+from live.show.loader import LoadedShow
+from live.show.show import Show
+from live.show.venue.venue import Venue
+
+if TYPE_CHECKING:
+    from live.render.outputs.output import Output
+
+
+ANSWER_S = 2.0
+"""Seconds that the show's own packet may take."""
+ROOM_MB = (300.0, 2000.0)
+"""Free disk space [MB]: below the first no journal of a night fits, below the second no film."""
+
+
+def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
+    """Steps that do not connect, and everything about the score that is doubtful."""
+    from live.rehearse.lint import all_doubts
+
+    graph = loaded.graph
+    if graph.missing:
+        for words in graph.missing:
+            yield Check("steps", "missing", words, "record it, or raise locomotion.threshold_m", needed=True)
+    else:
+        yield Check("steps", "ok", f"{len(graph.library.steps)} steps, {graph.edge_count} transitions", needed=True)
+    for doubts in all_doubts(show):
+        if not doubts.words:
+            yield Check(doubts.name, "ok", doubts.counted)
+        for words in doubts.words:
+            yield Check(doubts.name, "limited", words, doubts.remedy)
+
+
+def output_checks(venue: Venue, name: str | None) -> Iterator[Check]:
+    """The projectors of a venue: their monitors, and their masks."""
+    from live.app.output_config import outputs_of
+
+    if venue.operator is not None:
+        yield _told("operator", partial(_monitor, venue.operator, "the operator's own window"), "plug it in")
+    for output in outputs_of(venue, name) if venue.output else ():
+        what = f"output {output.name}"
+        if output.monitor is not None:
+            yield _told(what, partial(_monitor, output.monitor, "its monitor"), "plug it in")
+        if output.mask is not None:
+            yield _told(f"{what} mask", partial(_mask, output), "save it as PNG")
+
+
+def _monitor(name: str, where: str) -> str:
+    from live.app.output_config import found
+
+    return str(found(name, where))
+
+
+def _mask(output: "Output") -> str:
+    from live.render.outputs.output_pass import read_mask
+
+    height, width = read_mask(output).shape
+    return f"{width}x{height} pixels"
+
+
+def _told(what: str, look: Callable[[], str], remedy: str) -> Check:
+    """What is there, or why it is not."""
+    try:
+        return Check(what, "ok", look(), needed=True)
+    except PersonError as error:
+        return Check(what, "missing", error.message.replace("\n", " "), error.remedy or remedy, needed=True)
+
+
+def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check]:
+    """The devices and projectors that a venue names; `name` is its own."""
+    if venue is None:
+        return
+    yield from output_checks(venue, name)
+    yield from certificate_checks(venue, name)
+    inputs, outputs = audio()
+    wanted = venue.audio
+    for what, name, there in (
+        ("audio.device", wanted.device, inputs), ("audio.output", wanted.output, outputs),
+        ("audio.click", wanted.click, outputs),
+    ):  # fmt: skip
+        if name is not None:
+            yield _device(what, name, there)
+    midi_in, midi_out = midi()
+    for what, name, there in (
+        ("midi.input", venue.midi.input, midi_in),
+        ("midi.output", venue.midi.output, midi_out),
+        ("midi.clock_out", venue.midi.clock_out, midi_out),
+    ):
+        if name is not None:
+            yield _device(what, name, there)
+
+
+def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
+    """The certificate by which the audience's phones are met: its files, and how long it is good."""
+    from live.app.services.audience_tls import files_of, read_identity
+
+    files = files_of(venue.audience, name)
+    if files is None:
+        return
+    try:
+        identity = read_identity(*files, name="audience.certificate")
+    except PersonError as error:
+        yield Check(
+            "audience.certificate", "missing", error.message, error.remedy or "have it issued anew", needed=True
+        )
+        return
+    doubts = identity.doubt(datetime.now(UTC), identity.host or identity.names[0] if identity.names else "")
+    for words in doubts:
+        yield Check("audience.certificate", "limited", words, "renew it, or put its files right")
+    if not doubts:
+        words = f"{identity.host or ', '.join(identity.names)}, until {identity.ends:%Y-%m-%d}"
+        yield Check("audience.certificate", "ok", words, needed=True)
+
+
+def _device(what: str, name: str, there: Section) -> Check:
+    """Whether a device of that name, or with that in its name, is there."""
+    found = [str(item["name"]) for item in there.items if name.casefold() in str(item["name"]).casefold()]
+    if found:
+        return Check(what, "ok", found[0], needed=True)
+    known = ", ".join(str(item["name"]) for item in there.items) or there.why or "none"
+    return Check(what, "missing", f"{name!r} is not there", f"plug it in, or name one of: {known}", needed=True)
+
+
+def check_osc(host: str, port: int) -> Check:
+    """Whether the show would hear OSC there: it listens for a moment, and sends itself a packet."""
+    from live.base.event_queue import Lane
+    from live.clock.time_source import SystemClock
+    from live.control.osc.osc_server import CannotListen, OscInput
+
+    listener = OscInput(host, port, Lane(), SystemClock())
+    try:
+        listener.start()
+    except CannotListen as error:
+        return Check("OSC", "missing", str(error), "end the other program, or play with --osc HOST:PORT", needed=True)
+    try:
+        return _answered(listener, "127.0.0.1" if host in ("0.0.0.0", "") else host)
+    finally:
+        listener.stop()
+
+
+def _answered(listener: object, host: str) -> Check:
+    from live.rehearse.network_sender import packet_of
+    from live.rehearse.simulated_players import Call
+
+    port = listener.port  # type: ignore[attr-defined]
+    packet = packet_of(Call(0.0, "/dance/ping", [], "check"))
+    assert packet is not None
+    try:
+        address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        with socket.socket(address[0], socket.SOCK_DGRAM) as probe:
+            probe.settimeout(ANSWER_S)
+            probe.sendto(packet, address[4])
+            probe.recv(1024)
+    except OSError as error:
+        words = f"udp {host}:{port}: a packet to itself is not answered ({error})"
+        return Check("OSC", "missing", words, "look at the firewall", needed=True)
+    return Check("OSC", "ok", f"udp {host}:{port}: its own packet was answered", needed=True)
+
+
+def check_disk(folder: Path) -> Check:
+    """Room for a journal and for a film."""
+    try:
+        free = shutil.disk_usage(folder).free / 1e6
+    except OSError as error:
+        return Check("disk", "limited", f"{folder}: {error}", "write journals elsewhere")
+    detail = f"{free / 1000.0:.1f} GB free in {folder}"
+    least, enough = ROOM_MB
+    if free < least:
+        return Check("disk", "missing", f"{detail}: no room for a journal", "make room", needed=True)
+    if free < enough:
+        return Check("disk", "limited", f"{detail}: enough for a journal, not for a film", "make room")
+    return Check("disk", "ok", detail, needed=True)
+
+
+def check_music(loaded: LoadedShow) -> Check:
+    """The patch's music."""
+    try:
+        path = loaded.music_path
+    except PersonError as error:
+        return Check("music", "missing", error.message, error.remedy or "", needed=True)
+    return Check("music", "ok", "none in the patch" if path is None else str(path))
+
+
+def all_before_doors(
+    loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int], name: str | None = None
+) -> list[Check]:
+    """Every check, in the order of the table; `name` is the venue's."""
+    return [
+        *show_checks(loaded, show),
+        check_music(loaded),
+        *venue_checks(venue, name),
+        check_osc(*osc),
+        check_monitors(),
+        check_opengl(),
+        check_kernels(),
+        check_disk(Path.cwd()),
+    ]

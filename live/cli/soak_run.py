@@ -1,0 +1,407 @@
+"""A soak in real time: a headless show, and people, a band and floods that reach it as they would in a hall.
+
+The runs of `live soak`: one, or a campaign of many; what is told of them.
+
+`live soak --minimise JOURNAL`: a journal that fails becomes a short one that fails in the same way.
+"""
+
+import contextlib
+import shutil
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from rich.console import Console
+
+from live.app.launch_options import Wish
+from live.app.session import Session
+from live.app.session_audio import Sound
+from live.base.errors import PersonError
+from live.base.fault_isolation import FAULTS
+from live.control.events.events import ControlEvent
+from live.rehearse.campaign import Campaign, Facts, Job, guarded, lines_of, problem_lines
+from live.rehearse.failure import Failure
+from live.rehearse.fault_injection import Edits, Fault, faults
+from live.rehearse.invariants import prove
+from live.rehearse.network_sender import Outlet, Timed, packet_of, packets, send_all
+from live.rehearse.simulated_band import FakeBand
+from live.rehearse.simulated_players import FakePlayers, Words
+from live.rehearse.soak_test import Plan, Report, Soak
+from live.render.frame_stats import Pacer
+from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch
+
+EACH_S: Final = 20.0
+"""Seconds of one row of figures."""
+FLOOD: Final = 3000
+GROWTH: Final = 1.5
+"""The last third's p99.9 of frame CPU time may be so many times that of the first third ..."""
+SLACK_MS: Final = 2.0
+"""... and so much more."""
+
+
+class Figures:
+    """Frame CPU times [ms] in rows of EACH_S."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, float]] = []
+        self._times: list[float] = []
+        self._end = EACH_S
+        self.late = 0
+
+    def add(self, time: float, seconds: float, late: int, memory: float) -> None:
+        """One frame at `time` that took `seconds`."""
+        self._times.append(seconds * 1e3)
+        if time >= self._end:
+            self.close(time, late, memory)
+            self._end = time + EACH_S
+
+    def close(self, time: float, late: int, memory: float) -> None:
+        """End the row."""
+        if self._times:
+            p50, p99, p999 = np.percentile(self._times, (50, 99, 99.9))
+            self.rows.append(
+                {"time": time, "p50": float(p50), "p99": float(p99), "p999": float(p999), "late": late - self.late,
+                 "frames": len(self._times), "rss_mb": memory}
+            )  # fmt: skip
+        self._times, self.late = [], late
+
+    def grown(self) -> tuple[float, float] | None:
+        """Medians of p99.9 in the first and the last third of all rows; None while there are too few."""
+        third = len(self.rows) // 3
+        if third < 1:
+            return None
+        first, last = ([row["p999"] for row in part] for part in (self.rows[:third], self.rows[-third:]))
+        return float(np.median(first)), float(np.median(last))
+
+
+def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]:
+    """Run it; the report, and where the journal is. Growing frame times are a problem, late frames a figure."""
+    edits = Edits(plan.patch, folder / "patch", plan.seed)
+    journal = folder / "journal.jsonl"
+    wish = Wish(
+        patch=str(edits.path), seed=plan.seed, osc=("127.0.0.1", 0), journal=journal, seconds=plan.hours * 3600.0,
+        fps=plan.fps,
+    )  # fmt: skip
+    session = Session(wish, wish.load(), Sound())
+    report, figures, failed = Report(plan), Figures(), dict(FAULTS.counts)
+    with session.running():
+        people = _People(session, plan, edits, report)
+        people.start()
+        try:
+            _loop(session, plan, figures)
+        finally:
+            people.stop()
+    report.seconds = report.took = session.clock.now()
+    _sum_up(session, report, figures, edits, failed)
+    return report, journal
+
+
+def _loop(session: Session, plan: Plan, figures: Figures) -> None:
+    from live.app.session_records import resident_megabytes
+
+    memory = resident_megabytes()
+    pacer = Pacer(plan.fps, session.clock.now, time.sleep)
+    previous = session.clock.now()
+    while not session.finished(previous):
+        started = pacer.wait()
+        session.before_frame()
+        before = time.thread_time()
+        session.engine.frame(lambda view: None)
+        used = time.thread_time() - before
+        session.status.late_frames = pacer.late
+        session.after_frame(started, previous)
+        figures.add(started, used, pacer.late, memory() if started >= figures._end else 0.0)
+        previous = started
+    figures.close(previous, pacer.late, memory())
+
+
+def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits, faults: dict[str, int]) -> None:
+    status = session.status
+    report.status = status.snapshot(session.clock.now())
+    report.measures = session.show.span.number
+    report.frames, report.skipped = status.frames, status.skipped_ticks
+    report.refused = dict(report.status["events_rejected"])
+    report.events = {"accepted": status.events_accepted}
+    report.edits = edits.saved
+    report.memory = [(row["time"], row["rss_mb"]) for row in figures.rows]
+    report.journal = report.status.get("journal", {})
+    report.frames_ms = figures.rows
+    grown = figures.grown()
+    if grown is not None and grown[1] > GROWTH * grown[0] + SLACK_MS:
+        report.problems.append(f"p99.9 of frame CPU time grows from {grown[0]:.1f} to {grown[1]:.1f} ms")
+    if status.faults:
+        report.problems.append(f"{status.faults} frames could not be drawn")
+    if report.journal.get("dropped"):
+        report.problems.append(f"{report.journal['dropped']} lines of the journal were dropped")
+    report.problems += FAULTS.since(faults)
+    report.count = len(report.problems)
+
+
+class _People:
+    """Everybody outside of the show: a thread that sends."""
+
+    def __init__(self, session: Session, plan: Plan, edits: Edits, report: Report) -> None:
+        self._session, self._edits, self._report = session, edits, report
+        patch = session.show.patch
+        words = Words(patch, session.show.graph.library.steps)
+        self._band = FakeBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=patch.clock.beats_per_measure)
+        self._players = FakePlayers(plan.seed, words, count=plan.players, rate=plan.calls)
+        self._faults = faults(plan.seed, rate=plan.faults, start=5.0)
+        self._chance = np.random.default_rng([plan.seed, 0x9EA1])
+        self._deaf_until = 0.0
+        self._ended = threading.Event()
+        self._outlet = Outlet("127.0.0.1", session.osc.port)
+        self._until = plan.hours * 3600.0
+        self._pending: dict[bytes, ControlEvent | Fault] = {}
+        self._thread = threading.Thread(target=self._run, name="people", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End."""
+        self._ended.set()
+        self._thread.join(5.0)
+        self._outlet.close()
+        self._report.band = self._band.did
+
+    def _run(self) -> None:
+        streams: list[Any] = [
+            (packets(self._players.calls()), self._outlet.send),
+            (self._keyed(self._band.events()), self._hear),
+            (self._keyed(self._faults), self._do),
+        ]
+        try:
+            send_all(streams, now=self._session.clock.now, wait=self._ended.wait, until=self._until)
+        except Exception as error:  # a report has to come
+            self._report.fail(Failure.of(error), "the people of the soak end: ")
+
+    def _keyed(self, things: Iterator[Any]) -> Iterator[Timed]:
+        """Things with times, as what `send_all` sends: each under a key."""
+        for number, thing in enumerate(things):
+            key = f"{id(things)} {number}".encode()
+            self._pending[key] = thing
+            yield thing.time, key
+
+    def _hear(self, key: bytes) -> None:
+        event = self._pending.pop(key)
+        assert isinstance(event, ControlEvent)
+        if event.time >= self._deaf_until:
+            self._session.inbox.put(event)
+
+    def _do(self, key: bytes) -> None:
+        fault = self._pending.pop(key)
+        assert isinstance(fault, Fault)
+        acts: dict[str, Callable[[Fault], None]] = {
+            "flood": self._flood, "garbage": self._garbage, "source lost": self._lose,
+            "good edit": lambda fault: self._edits.good(), "bad edit": lambda fault: self._edits.bad(),
+            "edit back": lambda fault: self._edits.back(),
+        }  # fmt: skip
+        act = acts.get(fault.kind)
+        if act is not None:
+            self._report.faults[fault.kind] = self._report.faults.get(fault.kind, 0) + 1
+            with contextlib.suppress(OSError):
+                act(fault)
+
+    def _lose(self, fault: Fault) -> None:
+        self._deaf_until = fault.time + 2.0 + 20.0 * fault.size
+
+    def _flood(self, fault: Fault) -> None:
+        from live.rehearse.simulated_players import Call
+
+        packet = packet_of(Call(fault.time, "/dance/attract", [1.0, 0.5, 0.5, 1.0], "flood"))
+        assert packet is not None
+        for _ in range(int(FLOOD * fault.size)):
+            self._outlet.send(packet)
+
+    def _garbage(self, fault: Fault) -> None:
+        for _ in range(50):
+            self._outlet.send(self._chance.bytes(int(self._chance.integers(1, 1200))))
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What a run does beside its plan."""
+
+    chaos: bool = False
+    virtual: bool = True
+    replay: bool = True
+    sites: int = 0
+    """Call sites of the tick that fail, drawn; 0: all."""
+
+
+def patches_of(names: list[str] | None, *, every: bool) -> list[Path]:
+    """The patches that are meant; PersonError for one that is not there."""
+    if every:
+        folders = sorted(PATCHES.glob(f"*/{MAIN_FILE}"))
+        return [*folders, *(path for path in sorted(PATCHES.glob("*.toml")) if not path.stem.endswith(".midi"))]
+    return [find_patch(name) for name in names or [None]]  # type: ignore[list-item]
+
+
+def run_one(plan: Plan, folder: Path | None, console: Console, wanted: Wanted) -> Facts:
+    """One run; without a folder its files are kept only if it went wrong."""
+    there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
+    there.mkdir(parents=True, exist_ok=True)
+    facts = guarded(Job("", lambda into: run(plan, into, console, wanted)), there)
+    return _kept(facts, there, folder)
+
+
+def run_all(plans: list[Plan], folder: Path | None, console: Console, wanted: Wanted) -> Facts:
+    """All of them, those that `folder` knows left out."""
+    there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
+    first = plans[0]
+    what = {"hours": first.hours, "fps": first.fps, "players": first.players, "faults": first.faults, **asdict(wanted)}
+
+    def tell(words: str) -> None:
+        console.print(words, soft_wrap=True, markup=False)
+
+    campaign = Campaign(there, what, tell)
+    jobs = [Job(name_of(plan), lambda into, plan=plan: run(plan, into, console, wanted)) for plan in plans]  # type: ignore[misc]
+    try:
+        facts = campaign.run(jobs)
+    except (KeyboardInterrupt, SystemExit):
+        facts = campaign.report([job.name for job in jobs])
+    return _kept(facts, there, folder)
+
+
+def _kept(facts: Facts, there: Path, folder: Path | None) -> Facts:
+    if folder is None and facts["ok"]:
+        shutil.rmtree(there, ignore_errors=True)
+    else:
+        facts["folder"] = str(there)
+    return facts
+
+
+def name_of(plan: Plan) -> str:
+    """The name of a run: its patch and seed."""
+    patch = plan.patch.parent.name if plan.patch.name == MAIN_FILE else plan.patch.stem
+    return f"{patch}-{plan.seed}"
+
+
+def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
+    """One run with its files in `folder`: the facts of its report."""
+    if wanted.chaos and wanted.virtual:
+        from live.rehearse.chaos.virtual_run import virtual_chaos
+
+        return virtual_chaos(plan, folder, sites=wanted.sites, tell=lambda words: console.print(words, style="dim"))
+    if wanted.chaos:
+        from live.rehearse.chaos.real_run import real_chaos
+
+        return real_chaos(plan, folder, lambda words: console.print(words, style="dim", soft_wrap=True, markup=False))
+
+    def progress(time: float, report: Report) -> None:
+        speed = time / report.took if report.took else 0.0
+        words = f"{time / 60.0:.0f} min, {speed:.1f} times as fast as life, {report.memory[-1][1]:.0f} MB"
+        console.print(words, style="dim")
+
+    report = Report(plan)
+    try:
+        if wanted.virtual:
+            running = Soak(plan, folder)
+            report, journal = running.report, running.journal_path
+            running.run(progress)
+        else:
+            report, journal = soak_real(plan, folder, console)
+        if wanted.replay:
+            console.print("replaying its journal ...", style="dim")
+            report.replay = prove(journal, seed=plan.seed)
+    except PersonError:
+        raise
+    except (KeyboardInterrupt, SystemExit):  # Ctrl-C, or `kill`
+        report.count += 1
+        report.problems.append("interrupted")
+    except Exception as error:
+        report.fail(Failure.of(error), "the harness itself failed: ")
+    return {**report.as_json(), "summary": summary(report)}
+
+
+def summary(report: Report) -> list[str]:
+    """A run in some words."""
+    replayed = report.replay
+    words = [f"{report.seconds / 60.0:.1f} min, {report.measures} measures, {sum(report.faults.values())} faults"]
+    if replayed:
+        words.append(f"{replayed['measures']} measures replayed, {replayed['different']} differ")
+    return words
+
+
+def tell_lines(facts: Facts) -> None:
+    """Its summary."""
+    console = Console(highlight=False)
+    for words in facts["summary"]:
+        console.print(words, soft_wrap=True, markup=False)
+
+
+def tell_campaign(facts: Facts) -> None:
+    """All runs, a line each, and what went wrong."""
+    console = Console(highlight=False)
+    for words in lines_of(facts):
+        console.print(words, soft_wrap=True, markup=False)
+    _tell_end(facts, console)
+
+
+def tell_run(facts: Facts) -> None:
+    """One run, a little longer."""
+    console = Console(highlight=False)
+    lines = []
+    if "seconds" in facts:
+        grown, replay = facts["memory_growth_mb"], facts["replay"]
+        lines += [
+            f"{facts['seconds'] / 3600.0:.2f} h of the show, {facts['measures']} measures, "
+            f"{sum(facts['events'].values())} events, {sum(facts['faults'].values())} faults; {facts['skipped']} ticks "
+            "left out in stalls",
+            "memory: " + ("not long enough to say" if grown is None else f"within {grown:.1f} MB after the beginning"),
+        ]
+        if replay:
+            lines.append(
+                f"replay: {replay['measures']} measures compared, {replay['different']} differ (the whole of it, and "
+                f"{replay['stretches']} stretches from snapshots)"
+            )
+    for words in lines:
+        console.print(words, soft_wrap=True, markup=False)
+    for words in problem_lines(facts, ""):
+        console.print(words, style="red", soft_wrap=True, markup=False)
+    _tell_end(facts, console)
+
+
+def _tell_end(facts: dict[str, Any], console: Console) -> None:
+    if "folder" in facts:
+        console.print(f"journals: {facts['folder']}", soft_wrap=True, markup=False)
+    console.print("[green]nothing went wrong[/]" if facts["ok"] else "[red]this must not happen[/]")
+
+
+SHORT = ".min.jsonl"
+"""What the name of the short journal ends with."""
+
+
+def minimise_journal(path: Path, to: Path | None, seconds: float, console: Console) -> dict[str, Any]:
+    """Make it short, write it to `to` (beside it without one), and say what is left, as the report's facts."""
+    from live.rehearse.journal_minimiser import minimise
+    from live.show.journal.journal_reader import JournalError
+    from live.show.journal.replay import ReplayError
+
+    def tell(words: str) -> None:
+        console.print(words, style="dim", soft_wrap=True, markup=False)
+
+    try:
+        found = minimise(path, seconds=seconds, tell=tell)
+    except (JournalError, ReplayError) as error:
+        raise PersonError(str(error)) from None
+    if found is None:
+        return {"ok": True, "fails": False, "summary": [f"{path} does not fail: nothing to minimise"]}
+    to = to or path.with_name(path.name.removesuffix(".jsonl") + SHORT)
+    try:
+        found.write(to)
+    except OSError as error:
+        raise PersonError(f"cannot write {to}: {error.strerror}") from None
+    events, ticks = found.before
+    words = f"{events} events in {ticks / 64.0:.1f} s became {len(found.entries)} in {found.end / 64.0:.1f} s: {to}"
+    return {
+        "ok": False, "fails": True, "journal": str(to), "failure": found.failure.facts(), "tried": found.tried,
+        "events": [events, len(found.entries)], "ticks": [ticks, found.end], "summary": [str(found.failure), words],
+    }  # fmt: skip

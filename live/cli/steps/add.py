@@ -1,0 +1,229 @@
+"""`live steps add`: a recording becomes a step of the library.
+
+The folders of steps that `live steps` speaks of, and what lies in them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from shlex import quote
+from typing import Any
+
+import platformdirs
+from rich.console import Console
+
+from live.app.option_values import parse_number
+from live.base.errors import PersonError
+from live.library.add_step import AskedEntry, add_step, asked_entry, known_of, refuse_again
+from live.library.beat_alignment import Sync, SyncWish, find_sync
+from live.library.library_check import doubts_about
+from live.library.recordings import RecordingReader
+from live.library.step_folder import load_folder
+from live.library.step_folder import plain_name as plain
+from live.motion.cleanup.trim_start import find_beginning
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.step_clip import StepClip
+from live.show.patch.patch_search_path import PATCHES
+
+SKETCH_THRESHOLD_M = 0.16
+RECORDING_THRESHOLD_M = 0.35
+"""How far apart poses may be to be joined [m]: as in a patch, and as with `live play --steps`."""
+
+
+def user_library() -> Path:
+    """The folder into which `live steps add` writes where no other is named."""
+    return Path(platformdirs.user_data_dir("choreographics-live")) / "steps"
+
+
+def folders(library: Path | None) -> list[Path]:
+    """The folder that was named, else the user's (if it is there) and the project's."""
+    if library is not None:
+        return [library]
+    own = user_library()
+    return [*([own] if own.is_dir() and any(own.glob("*.toml")) else []), PATCHES / "steps"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedStep:
+    """A step with all its variations."""
+
+    name: str
+    clips: tuple[StepClip, ...]
+    folder: Path
+
+    @property
+    def ways(self) -> list[str]:
+        """The directions in which it is danced."""
+        return list(dict.fromkeys(clip.direction for clip in self.clips))
+
+    def told(self, field: str) -> list[str]:
+        """What its variations say for a field, without repeats and silence."""
+        return list(dict.fromkeys(str(getattr(c, field)) for c in self.clips if getattr(c, field) not in ("", None)))
+
+    @property
+    def tags(self) -> list[str]:
+        """All tags of its variations."""
+        return list(dict.fromkeys(tag for clip in self.clips for tag in clip.tags))
+
+
+def named_steps(library: Path | None) -> list[NamedStep]:
+    """All steps, a folder after the other; a name that came before hides a later one."""
+    found: dict[str, NamedStep] = {}
+    for folder in folders(library):
+        clips = load_folder(folder)
+        for name in dict.fromkeys(clip.step for clip in clips):
+            own = tuple(clip for clip in clips if clip.step == name)
+            found.setdefault(plain(name), NamedStep(name, own, folder))
+    return list(found.values())
+
+
+def find_step(steps: Sequence[NamedStep], name: str) -> NamedStep:
+    """The step of that name (capitals, blanks and underscores do not matter); PersonError with the nearest names."""
+    for step in steps:
+        if plain(step.name) == plain(name):
+            return step
+    import difflib
+
+    near = difflib.get_close_matches(plain(name), [plain(step.name) for step in steps], n=3)
+    there = [step.name for step in steps if plain(step.name) in near] or [step.name for step in steps]
+    raise PersonError(f"there is no step {name[:80]!r}", f"{', '.join(there[:20])} (see `live steps list`)")
+
+
+def threshold_for(steps: Sequence[NamedStep]) -> float:
+    """How far apart the poses of these steps may be to be joined [m]."""
+    sketched = all(step.folder == PATCHES / "steps" for step in steps)
+    return SKETCH_THRESHOLD_M if sketched else RECORDING_THRESHOLD_M
+
+
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """What was clapped to: a click of `click` bpm (of `count` beats, if that is known), or an audio file."""
+
+    click: float | None = None
+    count: int | None = None
+    song: Path | None = None
+
+
+def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, listening: Listening) -> None:
+    """Add the step that the options describe, and say what it became; PersonError if it cannot be.
+
+    A hand-set --bpm or --anchor always wins; what is not given is looked for in the recording, and said to be a guess
+    where nobody clapped.
+    """
+    console = Console(highlight=False)
+    comments: dict[str, str] = {}
+    _check(fields, listening)
+    folder = user_library() if library is None else library
+    if folder.is_dir() and listening == Listening():
+        known, comments = known_of(folder, file, fields)
+        fields = known | fields
+        if comments:
+            _say_again(console, fields, comments)
+    if "bpm" not in fields or "first_beat_s" not in fields:
+        fields, heard = _with_music(console, file, fields, listening)
+        comments = comments | heard
+    reader = RecordingReader()
+    entry = asked_entry(file, fields)
+    refuse_again(folder, entry)
+    added = add_step(folder, entry, comments=comments, reader=reader)
+    step = added.step
+    console.print(
+        f"added {step.step!r}: {step.measures} {'measure' if step.measures == 1 else 'measures'} of "
+        f"{step.beats_per_measure} beats at {step.bpm:g} bpm, from measure {entry.recording.start_measure} of "
+        f"{file.name}; {step.direction}, {step.distance_m:.2f} m",
+        style="green",
+        soft_wrap=True,
+        markup=False,
+    )
+    for field, words in doubts_about(entry, step) + _added_frames(entry, reader):
+        option = entry.problem(field, words).field or "FILE"
+        console.print(f"doubtful: {option}: {words}", style="yellow", soft_wrap=True, markup=False)
+    console.print(f"written: {added.toml}", soft_wrap=True, markup=False)
+    if added.copied:
+        console.print(f"copied:  {added.file}", soft_wrap=True, markup=False)
+    where = "" if library is None else f" --library {quote(str(library))}"
+    console.print(f"see it:  live steps play {quote(step.step)}{where}", style="dim", soft_wrap=True, markup=False)
+
+
+def _check(fields: dict[str, Any], listening: Listening) -> None:
+    parse_number(listening.click, "--click", 20, 400)
+    parse_number(listening.count, "--count", 1, 1000)
+    if listening.click is not None and listening.song is not None:
+        raise PersonError("--click and --song: one of them", "--click for a click, --song for a music file")
+    if listening.count is not None and listening.click is None:
+        raise PersonError("--count counts the beats of a click", f"--click BPM --count {listening.count}")
+    if "bpm" in fields and "first_beat_s" in fields and (listening.click or listening.song):
+        what = "--click" if listening.click else "--song"
+        raise PersonError(
+            f"{what}: --bpm and --anchor say already where the music is", f"leave out {what}, or one of them"
+        )
+
+
+def _with_music(
+    console: Console, file: Path, fields: dict[str, Any], listening: Listening
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """The fields with tempo and first beat as found, and comments for the TOML file that say how."""
+    by_hand = {key for key in ("bpm", "first_beat_s") if key in fields}
+    recording = asked_entry(file, {"bpm": 120.0, "first_beat_s": 0.0} | fields).recording
+    # whoever sets the anchor counts from the file's first frame, unless she says herself what is left out
+    kept = recording.drop_frames if "drop_frames" in fields or "first_beat_s" in by_hand else None
+    found = find_sync(
+        SyncWish(
+            file=file,
+            skeleton=None if recording.skeleton is None else Path(recording.skeleton),
+            fps=recording.fps,
+            up=recording.up,
+            drop_frames=kept,
+            click_bpm=listening.click,
+            count=listening.count,
+            song=listening.song,
+            anchor_s=recording.first_beat_s if "first_beat_s" in by_hand else None,
+            bpm=recording.bpm if "bpm" in by_hand else None,
+            beats_per_measure=recording.beats_per_measure,
+        )
+    )
+    reference = found.reference
+    comments: dict[str, str] = {}
+    for key, value in (("bpm", round(reference.bpm, 3)), ("first_beat_s", round(reference.first_beat_s, 4))):
+        if key not in by_hand:
+            fields, comments = fields | {key: value}, comments | {key: found.comment}
+    if kept is None and found.drop_frames:
+        fields = fields | {"drop_frames": found.drop_frames}
+        comments["drop_frames"] = "found: a T-pose was put before the dance"
+    _say(console, found)
+    return fields, comments
+
+
+def _say(console: Console, found: Sync) -> None:
+    reference, guessed = found.reference, found.guessed
+    console.print(
+        f"{'guess, to be confirmed' if guessed else 'music found'}: {reference.bpm:.2f} bpm, first beat at "
+        f"{reference.first_beat_s:.3f} s, confidence {reference.confidence:.2f} ({reference.note})",
+        style="yellow" if guessed else "",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _say_again(console: Console, fields: dict[str, Any], comments: dict[str, str]) -> None:
+    told = {"bpm": f"{fields['bpm']:.2f} bpm", "first_beat_s": f"first beat at {fields['first_beat_s']:.3f} s"}
+    words = ", ".join(told[key] for key in comments)
+    console.print(
+        f"guess, to be confirmed: {words} (the library's, where it is not confirmed yet)",
+        style="yellow",
+        soft_wrap=True,
+    )
+
+
+def _added_frames(entry: AskedEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+    """A doubt if a T-pose was put before the dance and is not left out."""
+    recording, motion = entry.recording, reader.motion(entry)
+    frames = find_beginning(body_tracks(motion, fps=recording.fps, up=recording.up)).drop_frames
+    if frames <= recording.drop_frames:
+        return []
+    less = (frames - recording.drop_frames) / (recording.fps or motion.header_fps)
+    words = (
+        f"the first {frames} frames are a T-pose and the way out of it, put before the dance; --drop-frames {frames} "
+        f"leaves them out, and --anchor is then {less:.3f} s less"
+    )
+    return [("drop_frames", words)]

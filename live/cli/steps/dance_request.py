@@ -1,0 +1,75 @@
+"""What `live dance` reads: the library of steps and the sequence that is wanted of it."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from live.base.errors import PersonError
+from live.graph.search.sequence import parse_sequence
+from live.graph.search.sequence_spec import Wanted
+from live.graph.step_library import StepLibrary, build_library
+from live.library.step_folder import load_folder
+from live.motion.step_clip import StepClip
+from live.show.patch.patch_search_path import PATCHES
+
+SKETCHES: Final = "sketches"
+"""The project's own steps."""
+MOST_BYTES: Final = 4_000_000
+"""Longest file of a sequence."""
+
+
+def read_clips(library: str) -> list[StepClip]:
+    """The steps of a folder, or the project's own."""
+    return load_folder(PATCHES / "steps" if library == SKETCHES else Path(library))
+
+
+def read_text(sequence: str) -> str:
+    """The sequence, out of a file if it begins with @; lines may end where commas are."""
+    if not sequence.startswith("@"):
+        return sequence
+    file = Path(sequence[1:])
+    try:
+        if not file.is_file():
+            what = "that is no file" if file.exists() else "there is no such file"
+            raise PersonError(f"--sequence @{file}: {what}", "after @ give a text file, its lines steps with commas")
+        if os.path.getsize(file) > MOST_BYTES:
+            raise PersonError(f"--sequence @{file}: a file of at most {MOST_BYTES // 1_000_000} MB expected")
+        text = file.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        words = error.strerror if isinstance(error, OSError) and error.strerror else "it is no text in UTF-8"
+        raise PersonError(f"--sequence {file}: cannot be read: {words}") from None
+    lines = [line.split("#")[0].strip().strip(",") for line in text.splitlines()]
+    return ",".join(line for line in lines if line)
+
+
+def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[Wanted]]:
+    """The library of the metre in which all steps of the sequence are there, and the sequence."""
+    metres = [clip.beats_per_measure for clip in clips]
+    errors: list[PersonError] = []
+    for beats in sorted(set(metres), key=lambda beats: (-metres.count(beats), beats)):
+        library = build_library([clip for clip in clips if clip.beats_per_measure == beats])
+        try:
+            return library, parse_sequence(text, library)
+        except PersonError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    listed = " and ".join(map(str, sorted(set(metres))))
+    raise PersonError(
+        f"no metre has all of the sequence: {'; '.join(error.message for error in errors)}",
+        f"steps of {listed} beats a measure are there, and a dance has one metre",
+    )
+
+
+def check_attributes(library: StepLibrary, wanted: Sequence[Wanted]) -> None:
+    """PersonError if variations of a wanted step contradict each other: a step transfers the weight or it does not."""
+    for step in sorted({entry.step for entry in wanted if entry.step is not None}):
+        clips = [clip for clip in library.clips if clip.step == library.steps[step]]
+        said = {clip.weight_transfer: clip for clip in reversed(clips)}
+        if len(said) == 2:
+            raise PersonError(
+                f"the step {library.steps[step]!r} contradicts itself: {said[True].clip.name!r} transfers the weight, "
+                f"{said[False].clip.name!r} does not",
+                "write the same weight_transfer for all its variations",
+            )

@@ -1,0 +1,344 @@
+"""`live steps graph`: the motion graph of a library: what leads where, what does not, as text, JSON, DOT or SVG.
+
+`live steps graph --bridges`: where in the recordings the ways between unjoined steps are (T141).
+
+What there is to say of a motion graph: as JSON, as Graphviz text, and as the picture of a state machine.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from live.app.whole_file import write_whole
+from live.base.errors import PersonError
+from live.cli.pictures.graph_svg import Arrow, State, state_machine
+from live.cli.steps.add import NamedStep, folders, named_steps, threshold_for
+from live.graph.build.bridges import Recorded, find_bridges
+from live.graph.clusters import Component, Connectivity, Lead, connectivity, leads, nearest_steps, structural_components
+from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.step_library import build_library
+from live.library.recording_file import read_step_files
+from live.library.recordings import RecordingReader
+from live.motion.clip import Clip
+
+MOST_PAIRS = 24
+"""Pairs of steps for which bridges are searched, the nearest first: half a second each for half an hour of motion."""
+
+
+def read_recordings_of(library: Path | None) -> list[Clip]:
+    """Every recording of the library's folders, whole and once; PersonError if there is none."""
+    found: dict[int, Clip] = {}
+    for folder in folders(library):
+        reader = RecordingReader()
+        for entries in read_step_files(folder).recordings.values():
+            for entry in entries:
+                clip = reader.clip(entry)
+                found.setdefault(id(clip), clip)
+    if not found:
+        raise PersonError("--bridges: there are no recordings to search", "sketched steps have nothing around them")
+    return list(found.values())
+
+
+def find_missing_bridges(
+    graph: MotionGraph, missing: Sequence[dict[str, Any]], recordings: Sequence[Clip]
+) -> list[dict[str, Any]]:
+    """For the nearest pairs of steps that are not joined the best stretch of a recording, one row each."""
+    recorded, library = [Recorded.of(clip) for clip in recordings], graph.library
+    rows = []
+    for row in missing[:MOST_PAIRS]:
+        source, target = library.steps.index(row["from"]), library.steps.index(row["to"])
+        bpm = next(clip.bpm for clip in library.clips if clip.step == row["from"])
+        measure_s = 60.0 / bpm * library.beats_per_measure
+        for bridge in find_bridges(graph, recorded, source, target, measure_s=measure_s, most=1):
+            rows.append(
+                {
+                    "from": row["from"],
+                    "to": row["to"],
+                    "recording": recordings[bridge.recording].name,
+                    "start_s": round(bridge.start, 3),
+                    "stop_s": round(bridge.stop, 3),
+                    "begin_m": round(bridge.begin_cost, 4),
+                    "end_m": round(bridge.end_cost, 4),
+                    "joins": bridge.cost <= graph.rule.threshold,
+                }
+            )
+    return rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """A graph and what there is to say of it."""
+
+    graph: MotionGraph
+    components: list[Component]
+    steps: list[Lead]
+    """From step to step."""
+    parts: list[Lead]
+    """From component to component."""
+    whole: Connectivity
+    missing: list[dict[str, Any]]
+    left_out: dict[int, int]
+    """Beats per measure of the clips of another metre → how many there are."""
+
+
+def report_of(graph: MotionGraph, left_out: dict[int, int] | None = None) -> Report:
+    """What there is to say of a graph from which nothing was pruned."""
+    library, components = graph.library, structural_components(graph.library)
+    part = np.zeros(library.node_count, np.int32)
+    for number, component in enumerate(components):
+        part[list(component.nodes)] = number
+    between = leads(graph, library.node_step, len(library.steps))
+    return Report(
+        graph=graph,
+        components=components,
+        steps=between,
+        parts=leads(graph, part, len(components)),
+        whole=connectivity(graph),
+        missing=_missing(graph, between),
+        left_out=left_out or {},
+    )
+
+
+def _missing(graph: MotionGraph, between: list[Lead]) -> list[dict[str, Any]]:
+    """The pairs of steps that nothing joins, the nearest first, and what would join them (T003, T043)."""
+    steps, there = graph.library.steps, {(one.source, one.target) for one in between}
+    nearest = nearest_steps(graph)
+    rows: list[dict[str, Any]] = []
+    for a, b in sorted(np.ndindex(nearest.shape), key=lambda pair: nearest[pair]):
+        if (a, b) in there:
+            continue
+        distance = float(nearest[a, b])
+        if np.isfinite(distance):
+            needs = (
+                f"their nearest poses are {distance:.2f} m apart: record a {steps[b]} that begins as {steps[a]} ends, "
+                f"or raise the threshold"
+            )
+        elif a == b:
+            needs = f"it is repeated on the other side: record {steps[a]} on the other foot, or mirror it"
+        else:
+            needs = f"{steps[a]} never ends in a pose in which {steps[b]} begins: record one that does"
+        row = {"from": steps[a], "to": steps[b], "nearest_m": round(distance, 4) if np.isfinite(distance) else None}
+        rows.append({**row, "needs": needs})
+    return rows
+
+
+def json_of(report: Report) -> dict[str, Any]:
+    """The graph as JSON; nodes, components and strong components are named by their number, from 0."""
+    graph, library, whole = report.graph, report.graph.library, report.whole
+    joins = graph.joins
+    part = {node: number for number, one in enumerate(report.components) for node in one.nodes}
+    groups = [np.flatnonzero(whole.label == label).tolist() for label in np.unique(whole.label)]
+    return {
+        "threshold_m": graph.rule.threshold,
+        "window": graph.window,
+        "beats_per_measure": library.beats_per_measure,
+        "other_metres": {str(beats): count for beats, count in report.left_out.items()},
+        "clusters": [
+            {
+                "step": name,
+                "clips": len({int(c) for c in library.node_clip[library.node_step == step]}),
+                "nodes": np.flatnonzero(library.node_step == step).tolist(),
+                "alive": bool(whole.alive[library.node_step == step].any()),
+            }
+            for step, name in enumerate(library.steps)
+        ],
+        "components": [
+            {
+                "step": library.steps[one.step],
+                "side": one.side,
+                "begin_pose": one.begin_pose or None,
+                "end_pose": one.end_pose or None,
+                "nodes": list(one.nodes),
+            }
+            for one in report.components
+        ],
+        "nodes": [
+            {
+                "node": node,
+                "step": library.steps[library.node_step[node]],
+                "words": library.describe(node),
+                "clip": library.clips[library.node_clip[node]].clip.name,
+                "measure": int(library.node_measure[node]) + 1,
+                "measures": int(library.node_measures[node]),
+                "component": part[node],
+                "alive": bool(whole.alive[node]),
+                "travel_m": [round(float(way), 4) for way in library.node_travel[node]],
+            }
+            for node in range(library.node_count)
+        ],
+        "edges": [
+            {"from": a, "to": b, "cost_m": round(cost, 5)}
+            for a, b, cost in zip(joins.source.tolist(), joins.target.tolist(), joins.cost.tolist(), strict=True)
+        ],
+        "leads": [
+            {
+                "from": library.steps[one.source],
+                "to": library.steps[one.target],
+                "edges": one.joins,
+                "nearest_m": round(one.nearest, 5),
+            }
+            for one in report.steps
+        ],
+        "strong_components": sorted(groups, key=len, reverse=True),
+        "dead_ends": dead_ends(report),
+        "missing": report.missing,
+    }
+
+
+def dead_ends(report: Report) -> list[dict[str, Any]]:
+    """Nodes that are no part of an endless dance, and why."""
+    whole, library = report.whole, report.graph.library
+    rows = []
+    for node in np.flatnonzero(~whole.alive).tolist():
+        on, reached = whole.leads_on[node], whole.reached[node]
+        why = "no way back" if on and reached else "nothing leads to it" if on else "it leads nowhere"
+        if not on and not reached:
+            why = "nothing leads to it, and it leads nowhere"
+        rows.append({"node": node, "words": library.describe(node), "why": why})
+    return rows
+
+
+def dot_of(report: Report) -> str:
+    """The component graph (T062) for Graphviz: a cluster for each step, a node for each structural variation."""
+    library = report.graph.library
+    lines = ["digraph steps {", "  compound=true; node [shape=box, style=rounded];"]
+    for step, name in enumerate(library.steps):
+        lines.append(f"  subgraph cluster_{step} {{ label={_quoted(name)};")
+        for number, one in enumerate(report.components):
+            if one.step == step:
+                words = [
+                    one.side,
+                    " → ".join(filter(None, (one.begin_pose, one.end_pose))),
+                    "1 measure" if len(one.nodes) == 1 else f"{len(one.nodes)} measures",
+                ]
+                lines.append(f"    c{number} [label={_quoted(chr(10).join(filter(None, words)))}];")
+        lines.append("  }")
+    lines += [
+        f'  c{one.source} -> c{one.target} [label="{one.joins}", tooltip="{100 * one.nearest:.1f} cm"];'
+        for one in report.parts
+    ]
+    return "\n".join([*lines, "}", ""])
+
+
+def _quoted(text: str) -> str:
+    plain = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{plain}"'
+
+
+def svg_of(report: Report) -> str:
+    """The state machine of the steps (Fig 5.11)."""
+    library = report.graph.library
+    states = []
+    for step, name in enumerate(library.steps):
+        own = library.node_step == step
+        lengths = sorted({int(n) for n in library.node_measures[own]})
+        many = "1 measure" if lengths == [1] else f"{'/'.join(map(str, lengths))} measures"
+        clips = len(np.unique(library.node_clip[own]))
+        states.append(State(name, many, clips, bool(report.whole.alive[own].any())))
+    arrows = [Arrow(one.source, one.target, one.joins) for one in report.steps]
+    threshold = report.graph.rule.threshold
+    counted = f"{len(states)} steps, {len(library.clips)} clips, {len(report.graph.joins.source)} edges"
+    return state_machine(states, arrows, f"{counted} within {threshold:g} m")
+
+
+WINDOW_BEATS = 0.75
+SHOWN = 12
+"""Missing edges that are told; JSON has them all."""
+
+
+def print_graph(
+    library: Path | None,
+    *,
+    as_json: bool,
+    as_dot: bool,
+    svg: Path | None,
+    threshold: float | None,
+    window: float | None,
+    bridges: bool = False,
+) -> None:
+    """Print the graph of a library, or write its picture; PersonError if the library cannot be read."""
+    report = _report(named_steps(library), threshold, window)
+    found: list[dict[str, Any]] | None = None
+    if bridges:
+        found = find_missing_bridges(report.graph, report.missing, read_recordings_of(library))
+    if svg is not None:
+        write_whole(svg_of(report).encode(), svg, "--svg")
+    if as_json:
+        data = json_of(report) if found is None else json_of(report) | {"bridges": found}
+        print(json.dumps(data, ensure_ascii=False, indent=1))
+    elif as_dot:
+        print(dot_of(report), end="")
+    else:
+        _print(report, svg)
+        _print_bridges(found or [])
+
+
+def _report(steps: Sequence[NamedStep], threshold: float | None, window: float | None) -> Report:
+    clips = [clip for step in steps for clip in step.clips]
+    metres = Counter(clip.beats_per_measure for clip in clips)
+    beats = max(metres, key=lambda metre: metres[metre])
+    fitting = [clip for clip in clips if clip.beats_per_measure == beats]
+    threshold = threshold_for(steps) if threshold is None else threshold
+    share = min(1.0, WINDOW_BEATS / beats) if window is None else window
+    try:
+        graph = build_graph(build_library(fitting), window=share, threshold=threshold, prune=False)
+    except ValueError as error:
+        raise PersonError(str(error)) from None
+    return report_of(graph, {metre: count for metre, count in metres.items() if metre != beats})
+
+
+def _print(report: Report, svg: Path | None) -> None:
+    console = Console(highlight=False)
+
+    def say(text: str = "", style: str = "") -> None:
+        console.print(text, style=style, soft_wrap=True, markup=False)
+
+    graph, library, whole = report.graph, report.graph.library, report.whole
+    say(
+        f"{len(library.steps)} steps, {len(report.components)} structural variations, {library.node_count} measures, "
+        f"{len(graph.joins.source)} edges within {graph.rule.threshold:g} m; "
+        f"{int(whole.alive.sum())} measures can be danced for ever"
+    )
+    for metre, count in report.left_out.items():
+        say(f"left out: {count} clips of {metre} beats a measure; this graph has {library.beats_per_measure}", "yellow")
+    for step, name in enumerate(library.steps):
+        ways = [one for one in report.steps if one.source == step]
+        dead = "" if whole.alive[library.node_step == step].any() else "  (no part of an endless dance)"
+        say(f"\n{name}{dead}", "bold" if not dead else "yellow")
+        for one in sorted(ways, key=lambda lead: lead.nearest):
+            say(f"    → {library.steps[one.target]:<24} {one.joins:>5} edges, nearest {100 * one.nearest:5.1f} cm")
+        if not ways:
+            say("    → nothing", "yellow")
+    if report.missing:
+        say(f"\n{len(report.missing)} pairs of steps are not joined", "bold")
+        for row in report.missing[:SHOWN]:
+            say(f"    {row['from']} → {row['to']}: {row['needs']}")
+        if len(report.missing) > SHOWN:
+            say(f"    and {len(report.missing) - SHOWN} more (--json has them all)")
+    ends = dead_ends(report)
+    for end in ends[:SHOWN]:
+        say(f"dead end: {end['words']} (node {end['node']}): {end['why']}", "yellow")
+    if len(ends) > SHOWN:
+        say(f"and {len(ends) - SHOWN} more dead ends (--json has them all)", "yellow")
+    if svg is not None:
+        say(f"\nthe picture is in {svg}", "green")
+
+
+def _print_bridges(bridges: list[dict[str, Any]]) -> None:
+    console = Console(highlight=False)
+    for row in bridges:
+        worse = 100 * max(row["begin_m"], row["end_m"])
+        words = "" if row["joins"] else ", more than the threshold"
+        console.print(
+            f"bridge {row['from']} → {row['to']}: {row['recording']} from {row['start_s']:.2f} s to "
+            f"{row['stop_s']:.2f} s (the worse join {worse:.1f} cm{words})",
+            style="green" if row["joins"] else "",
+            soft_wrap=True,
+            markup=False,
+        )

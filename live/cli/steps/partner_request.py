@@ -1,0 +1,211 @@
+"""`live partner --path`: a drawn path as the leader of a walk (H019).
+
+What is asked of `live partner`.
+
+The figures of a follower that `live partner` found, alone and beside the real one.
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.library.motion_file import read_motion
+from live.library.partner_pairs import Recorded, Side, recorded
+from live.motion.clip import Clip
+from live.motion.formats.file_error import MotionFileError
+from live.motion.partner.answer import hold_error
+from live.motion.partner.evaluation import errors, joints_of, slide
+from live.motion.partner.partner_synthesis import Partnered, Search, shown_beats
+from live.motion.partner.path_leader import frenet_cloud
+from live.motion.partner.point_clouds import Cloud
+from live.motion.partner.units import Units
+from live.motion.quality.metrics import at_samples, half_width, largest_around, offsets, p99_of_raw
+from live.motion.retarget.retarget import SAMPLE_RATE
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+Float64 = npt.NDArray[np.float64]
+
+MAX_BYTES: Final = 50_000_000
+LONGEST: Final = 3600.0
+"""Seconds of a path at most."""
+FARTHEST: Final = 1000.0
+"""Metres from the origin at most."""
+RUNNING: Final = 3.0
+"""Faster than this [m/s] nobody walks."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Led:
+    """A leader on the engine's skeleton."""
+
+    recorded: Recorded
+    dropped: int
+    """Leading frames that were left out."""
+
+
+def led_by_path(path: Path, smooth: float) -> tuple[Led, Cloud]:
+    """The path as a leader: somebody who glides along it, and her control cloud."""
+    time, place = read_path(path)
+    cloud = frenet_cloud(time, place, SAMPLE_RATE, smooth=smooth)
+    middle = cloud.floor.mean(axis=1)
+    speed = np.abs(np.diff(middle)) * SAMPLE_RATE
+    if speed.size and float(np.percentile(speed, 90)) > RUNNING:
+        raise PersonError(
+            f"{path}: {np.percentile(speed, 90):.1f} m/s; nobody walks faster than {RUNNING:g} m/s",
+            "perform the path at the speed of a walk; times are in s, places in m",
+        )
+    root = np.zeros((cloud.count, 3), np.float32)
+    root[:, 0], root[:, 1], root[:, 2] = middle.imag, SKELETON.rest_positions()[0, 1], middle.real
+    rotation = np.zeros((cloud.count, JOINT_COUNT, 4), np.float32)
+    across = (cloud.floor[:, 0] - cloud.floor[:, 1]) / 1j
+    rotation[..., 0] = 1.0
+    half = 0.5 * np.angle(across)
+    rotation[:, 0, 0], rotation[:, 0, 2] = np.cos(half), np.sin(half)
+    clip = Clip("path", root, rotation, SAMPLE_RATE, np.zeros((cloud.count, 2), np.bool_))
+    return Led(Recorded(clip, cloud.count, SAMPLE_RATE, SAMPLE_RATE), 0), cloud
+
+
+def read_path(path: Path) -> tuple[Float64, Float64]:
+    """Times (n,) [s] and places (n, 2), x and z [m], of a CSV file with the columns time_s, x, z; PersonError."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise PersonError(f"{path}: more than {MAX_BYTES} bytes")
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise PersonError(f"cannot read the path {path}: {error.strerror}", "--path PATH.csv") from None
+    except UnicodeDecodeError:
+        raise PersonError(f"{path}: not a text in UTF-8") from None
+    rows: list[tuple[float, float, float]] = []
+    for number, row in enumerate(csv.reader(lines), 1):
+        if not row or row[0].lstrip().startswith("#"):
+            continue
+        try:
+            time, x, z = (float(value) for value in row)
+        except ValueError:
+            if not rows and number == 1:
+                continue  # a heading
+            raise PersonError(f"{path}, line {number}: three numbers expected: time_s, x, z") from None
+        if not (np.isfinite([time, x, z]).all() and max(abs(x), abs(z)) <= FARTHEST):
+            raise PersonError(f"{path}, line {number}: places within {FARTHEST:g} m expected")
+        if rows and time <= rows[-1][0]:
+            raise PersonError(f"{path}, line {number}: time {time:g} s after {rows[-1][0]:g} s; times ascend")
+        rows.append((time, x, z))
+    if len(rows) < 2 or rows[-1][0] - rows[0][0] > LONGEST:
+        raise PersonError(f"{path}: {len(rows)} points; two at least, over {LONGEST:g} s at most, expected")
+    values = np.array(rows)
+    return values[:, 0], values[:, 1:]
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """The options of the command, checked one by one."""
+
+    leader: Path | None
+    examples: Path
+    out: Path
+    path: Path | None
+    online: bool
+    stretch: float | None
+    k: float | None
+    beam: float | None
+    rate: float | None
+    cluster: float | None
+    fps: float | None
+    drop_frames: int | None
+    bpm: float | None
+    first_beat: float | None
+    smoothing: str
+    hold_feet: bool
+    truth: Path | None
+    report: Path | None
+    transcript: Path | None
+    seed: int
+    smooth: float | None = None
+
+
+def report_of(found: Partnered, units: Units, led: Led, search: Search, wish: Wish) -> dict[str, Any]:
+    """The figures of a follower (contracts: reports)."""
+    reading, clip = found.reading, found.clip
+    positions = joints_of(clip)
+    gaps = [*reading.gap.tolist(), None]
+    told: dict[str, Any] = {
+        "units": [
+            {
+                "unit": units.label(int(unit)),
+                "from_s": round(float(reading.start[n]) / reading.rate, 4),
+                "seconds": round(float(reading.duration[n]) / reading.rate, 4),
+                "recorded_seconds": round(float(units.seconds[unit]), 4),
+                "distance": float(reading.distance[n]),
+                "continuity": gaps[n],
+            }
+            for n, unit in enumerate(reading.unit)
+        ],
+        "score": found.coarse.score,
+        "search": {
+            "rate": search.rate, "stretch": search.stretch, "k": search.k,
+            "beam": None if np.isinf(search.beam) else search.beam, "beats_known": search.beats is not None,
+        },
+        "seconds": {key: round(value, 4) for key, value in found.seconds.items()},
+        "frames": led.recorded.frames + led.dropped,
+        "fps": led.recorded.fps,
+        "drop_frames": led.dropped,
+        **slide(positions, found.answer.clip.contact, clip.sample_rate),
+        "hand_hold_error_m": hold_error(clip, led.recorded.clip, found.answer.holds) if not wish.path else None,
+        "beat_offset_ms": _beat_figures(found, units, search),
+    }  # fmt: skip
+    return told | (_join_figures(found, positions, units) if wish.report is not None else {})
+
+
+def _join_figures(found: Partnered, positions: npt.NDArray[np.float64], units: Units) -> dict[str, float | None]:
+    """How joins move against the raw recordings (contracts: join ratios)."""
+    rate, half = found.clip.sample_rate, half_width(0.0)
+    used = {int(units.example[unit]) for unit in found.reading.unit}
+    raw = [at_samples(joints_of(units.examples[one].follower), rate) for one in sorted(used)]
+    middle = found.answer.boundaries / rate
+    told: dict[str, float | None] = {}
+    for n, name in enumerate(("join_velocity_ratio", "join_acceleration_ratio")):
+        usual = p99_of_raw([one[n] for one in raw], half, rate)
+        around = largest_around(at_samples(positions, rate)[n], middle, half, rate)
+        told[name] = float(np.percentile(around, 99)) / usual if around.size and usual > 0.0 else None
+    return told
+
+
+def _beat_figures(found: Partnered, units: Units, search: Search) -> dict[str, Any] | None:
+    """Shown time of each annotated beat minus the leader's nearest one."""
+    if search.beats is None or len(search.beats) < 2:
+        return None
+    shown = shown_beats(found.answer, found.reading, units)
+    if not len(shown):
+        return None
+    away = np.abs(offsets(shown, search.beats)) * 1000.0
+    return {"annotated": {"median": float(np.median(away)), "p95": float(np.percentile(away, 95))}}
+
+
+def compared(found: Partnered, led: Led, wish: Wish) -> dict[str, Any]:
+    """Against the real follower, whose file belongs to the leader's frame by frame."""
+    assert wish.truth is not None  # asked for
+    try:
+        motion = read_motion(wish.truth)
+        side = Side(file=wish.truth.name, fps=led.recorded.fps, drop_frames=min(led.dropped, motion.frame_count - 1))
+        real = recorded(motion, side)
+    except (MotionFileError, ValueError) as error:
+        raise PersonError(str(error)) from None
+    if real.frames != led.recorded.frames:
+        raise PersonError(
+            f"--truth {wish.truth}: {real.frames + led.dropped} frames, the leader has "
+            f"{led.recorded.frames + led.dropped}",
+            "the follower of the same take",
+        )
+    rate = found.clip.sample_rate
+    truth = joints_of(real.clip)
+    one = errors(joints_of(found.clip), truth, joints_of(led.recorded.clip), rate)
+    return {
+        "joint_error_m": one.joint_m, "joint_error_aligned_m": one.aligned_m,
+        "hip_distance_error_m": one.hip_distance_m, "velocity_error_m_s": one.velocity_m_s,
+        "foot_slide_mean_of_truth": slide(truth, real.clip.contact, rate)["foot_slide_mean"],
+    }  # fmt: skip

@@ -1,0 +1,206 @@
+"""`live texture`, the work: reading, making, writing, and what is said of it.
+
+`live steps enrich`: every sketched step gets textured versions, made of motion capture.
+"""
+
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from live.app.whole_file import write_whole
+from live.base.errors import PersonError
+from live.cli.steps.add import folders
+from live.cli.steps.dance_report import check_targets, write_motion
+from live.library.capture_material import read_material
+from live.library.motion_file import MOTION_ENDINGS, read_motion
+from live.library.recording_file import read_step_files
+from live.library.step_folder import MAX_STEP_BYTES, plain_name, sketched_steps
+from live.library.textured_steps import Enriched, Upper, enrich, material_for, textured_beside, textured_text
+from live.motion.clip import Clip, resample
+from live.motion.retarget.retarget import retarget
+from live.motion.step_clip import StepClip
+from live.motion.texture.frequency_bands import sample_clip
+from live.motion.texture.texture_corpus import material_of
+from live.motion.texture.texture_report import figures_of
+from live.motion.texture.texture_settings import Wish
+from live.motion.texture.texture_synthesis import textured
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The options that are not the method's."""
+
+    sketch: str
+    places: tuple[Path, ...]
+    out: Path
+    fps: float | None
+    drop_frames: int | None
+    sketch_fps: float | None
+    variation: int
+    rate: float
+    report: Path | None
+    force: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sketch:
+    """The whole clip, and the samples of it that are the step."""
+
+    clip: Clip
+    first: float
+    last: float
+
+
+def make(asked: Asked, wish: Wish) -> None:
+    """Texture the sketch and write a file for each path; PersonError for whatever cannot be."""
+    targets = [asked.out] if wish.paths == 1 else [_numbered(asked.out, n) for n in range(1, wish.paths + 1)]
+    for target in targets:
+        check_targets(target, asked.report, force=asked.force)
+    sketch = _read_sketch(asked)
+    began = time.perf_counter()
+    recorded = read_material(asked.places, fps=asked.fps, drop_frames=asked.drop_frames)
+    read = time.perf_counter()
+    material = material_of([one.clip for one in recorded.clips], [sample_clip(sketch.clip)])
+    found = textured(sketch.clip, material, wish)
+    made = time.perf_counter()
+    console = Console(highlight=False, soft_wrap=True)
+    for words in recorded.passed:
+        console.print(f"passed over: {words}", style="yellow", markup=False)
+    for target, one in zip(targets, found, strict=False):
+        clip = resample(one.clip, asked.rate, first=sketch.first, last=sketch.last)
+        write_motion(clip, target)
+        joins = one.parts.count - 1
+        console.print(
+            f"{target}: {clip.seconds:.2f} s of {one.parts.count} pieces, {one.free} of {joins} joins were none in the "
+            f"recordings either; matched to {one.distance:.3f} rad",
+            markup=False,
+        )
+    if len(found) < wish.paths:
+        console.print(f"only {len(found)} of {wish.paths} paths: more candidates (-K) give more", style="yellow")
+    if asked.report is not None:
+        values = figures_of(sketch.clip, material, wish, found)
+        values |= {"sketch": asked.sketch, "out": [str(one) for one in targets[: len(found)]]}
+        values |= {
+            "passed_over": list(recorded.passed),
+            "rates": {one.step: one.clip.sample_rate for one in recorded.clips},
+        }
+        values |= {"seconds": {"reading": round(read - began, 3), "texturing": round(made - read, 3)}}
+        write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), asked.report, "--report")
+
+
+def _numbered(out: Path, number: int) -> Path:
+    return out.with_name(f"{out.stem}-{number}{out.suffix}")
+
+
+def _read_sketch(asked: Asked) -> _Sketch:
+    path = Path(asked.sketch)
+    if path.suffix.lower() in MOTION_ENDINGS:
+        try:
+            motion = read_motion(path)
+            clip = retarget(motion, name=path.stem, fps=asked.sketch_fps)
+        except ValueError as error:
+            raise PersonError(" ".join(str(error).split())) from None
+        return _Sketch(clip, 0.0, clip.sample_count - 1.0)
+    if path.suffix.lower() == ".toml":
+        steps = sketched_steps({str(path): _text(path)})
+    else:
+        from live.cli.steps.add import find_step, named_steps
+
+        steps = list(find_step(named_steps(None), asked.sketch).clips)
+    if not 1 <= asked.variation <= len(steps):
+        raise PersonError(f"--variation {asked.variation}: {asked.sketch} has {len(steps)}", "--variation 1")
+    step = steps[asked.variation - 1]
+    return _Sketch(step.clip, step.first, step.first + step.measures * step.samples_per_measure)
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.stat().st_size > MAX_STEP_BYTES:
+            raise PersonError(f"{path}: a step has at most {MAX_STEP_BYTES} bytes")
+        return path.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise PersonError(
+            f"cannot read {path}: {error.strerror}", "give a motion file, a step file or a name"
+        ) from None
+    except UnicodeDecodeError as error:
+        raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
+
+
+def enrich_library(
+    library: Path | None,
+    places: list[Path],
+    steps: list[str],
+    wish: Wish,
+    upper: Upper,
+    *,
+    fps: float | None,
+    remove: bool,
+) -> None:
+    """Write the textured versions of every sketched step, or of `steps`, beside it; or take them away."""
+    console = Console(highlight=False, soft_wrap=True)
+    sketches = _sketches(library, steps)
+    if remove:
+        _remove(console, sketches)
+        return
+    if not places:
+        raise PersonError("there is no motion capture to take texture from", "--with DIR_OR_FILES")
+    recorded = read_material(places, fps=fps)
+    for words in recorded.passed:
+        console.print(f"passed over: {words}", style="yellow", markup=False)
+    own = {file: sketched_steps({file: text}) for file, text in sketches.items()}
+    everything = [step for clips in own.values() for step in clips if not step.mirrored]
+    material = material_for([one.clip for one in recorded.clips], everything)
+    seconds = sum(clip.seconds for clip in material.clips)
+    console.print(f"{len(material.clips)} recordings, {seconds:.0f} s", markup=False)
+    facts = {"with": [str(place) for place in places], "bands": list(wish.bands), "match_band": wish.match_band}
+    for file, clips in own.items():
+        try:
+            made = enrich(clips, material, wish, upper)
+        except PersonError as error:
+            raise PersonError(f"{file}: {error.message}", error.remedy) from None
+        mirror = any(step.mirrored for step in clips)
+        text = textured_text(made.clips, sketches[file], facts | {"mirror": mirror})
+        size = write_whole(text.encode(), textured_beside(Path(file)), "--library")
+        _say(console, clips, made, size)
+    console.print("see one: live steps show STEP; taken away: live steps enrich --remove", style="dim")
+
+
+def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
+    """Sketch texts by file name, of all folders or of the steps that were named."""
+    found: dict[str, str] = {}
+    for folder in folders(library):
+        found |= read_step_files(folder).sketches
+    if not found:
+        raise PersonError("there is no sketched step to texture", "sketches are TOML files: docs/steps.md")
+    if not wanted:
+        return found
+    names = {plain_name(sketched_steps({file: text})[0].step): file for file, text in found.items()}
+    unknown = [one for one in wanted if plain_name(one) not in names]
+    if unknown:
+        raise PersonError(f"--step {unknown[0][:60]!r}: no sketch is called so", ", ".join(sorted(names)[:20]))
+    return {names[plain_name(one)]: found[names[plain_name(one)]] for one in wanted}
+
+
+def _remove(console: Console, sketches: dict[str, str]) -> None:
+    gone = 0
+    for file in sketches:
+        path = textured_beside(Path(file))
+        if path.is_file():
+            try:
+                path.unlink()
+            except OSError as error:
+                raise PersonError(f"{path}: cannot be removed: {error.strerror}", "remove it by hand") from None
+            gone += 1
+    console.print(f"{gone} files of textured steps removed", markup=False)
+
+
+def _say(console: Console, clips: list[StepClip], made: Enriched, size: int) -> None:
+    how = "made" if made.made else "textured"
+    console.print(
+        f"{clips[0].step}: {len(made.clips)} versions, upper body {how}, matched to {made.distance:.3f} rad, "
+        f"{made.free:.0%} of joins as recorded, {made.kept:.0%} of it left at measure lines, {size // 1000} kB",
+        markup=False,
+    )

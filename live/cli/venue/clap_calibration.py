@@ -1,0 +1,101 @@
+"""The clap test of `live calibrate --claps`: the screen flashes, people clap with it, the microphone hears them."""
+
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Final, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.clock.time_source import Clock, SystemClock
+from live.control.audio.channel_mixer import Channels
+from live.control.audio.devices import SoundDevice
+from live.control.audio.latency_claps import ClapOffset, clap_offset, find_claps
+from live.control.audio.latency_sweep import Microphone
+
+PERIOD: Final = 0.75
+"""Seconds from flash to flash: 80 bpm, slow enough for nobody's eyes to mind, and to tell delays up to 370 ms."""
+
+FIRST: Final = 2.0
+LIT: Final = 0.12
+AFTER: Final = 1.5
+
+
+class Screen(Protocol):
+    """Something that can be light or dark."""
+
+    def show(self, light: bool) -> bool:
+        """Draw one picture, which takes about a frame; False if the person has closed it."""
+        ...
+
+
+class WindowScreen:
+    """The whole of a monitor."""
+
+    def __init__(self, monitor: str | None) -> None:
+        """PersonError where there is no screen."""
+        from live.render.window.monitors import UnknownMonitor, find_monitor
+        from live.render.window.window import NoWindow, Window
+
+        try:
+            chosen = None if monitor is None else find_monitor(monitor)
+            self._window = Window("Clap with the light", monitor=chosen, fullscreen=True)
+        except (NoWindow, UnknownMonitor) as error:
+            raise PersonError(f"--claps: {error}") from None
+
+    def show(self, light: bool) -> bool:
+        """Draw one picture; False after Esc or when the window was closed."""
+        from live.render.window.window_input import CloseRequested, KeyPressed
+
+        for value in self._window.poll():
+            if isinstance(value, CloseRequested) or (isinstance(value, KeyPressed) and value.name == "escape"):
+                return False
+        level = 1.0 if light else 0.0
+        target = self._window.target
+        target.use()
+        target.clear(level, level, level)
+        self._window.swap()
+        return True
+
+    def __enter__(self) -> "WindowScreen":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._window.close()
+
+
+def flash(
+    screen: Screen, count: int, clock: Clock, wait: Callable[[float], None] = time.sleep
+) -> npt.NDArray[np.float64]:
+    """Flash `count` times; when the first light picture of each was begun [s], shape (count,).
+
+    That is the moment at which a show, too, decides what it draws. PersonError if the person closes the screen.
+    """
+    begin = clock.now() + FIRST
+    flashes: list[float] = []
+    while (now := clock.now()) < begin + count * PERIOD + AFTER:
+        into = (now - begin) % PERIOD
+        light = 0.0 <= now - begin < count * PERIOD and into < LIT
+        number = int((now - begin) // PERIOD)
+        if light and number >= len(flashes):
+            flashes.append(now)
+        if not screen.show(light):
+            raise PersonError("the clap test was broken off", "let it run to its end")
+        wait(0.002)
+    return np.array(flashes)
+
+
+def clap_test(screen: Screen, device: SoundDevice, channels: Channels, count: int) -> ClapOffset:
+    """Flash and listen; how late the claps came, as they are there at the input."""
+    clock = SystemClock()
+    microphone = Microphone(device, channels, FIRST + count * PERIOD + AFTER + 10.0, clock)
+    try:
+        flashes = flash(screen, count, clock)
+    finally:
+        microphone.close()
+    claps = find_claps(microphone.sound(), microphone.sample_rate)
+    return clap_offset(microphone.time_of(claps), flashes)

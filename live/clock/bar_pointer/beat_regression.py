@@ -1,0 +1,177 @@
+"""PassedBeats: the line through the last beats: a tempo finer than whole frames, and the grid to keep in silence.
+
+Place: where in the measure a grid is: how far in the present beat, and which beat of which metre that is.
+"""
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float32, slot_metre
+
+Floats = npt.NDArray[np.float64]
+
+MOST: Final = 24
+"""Beats that are remembered."""
+
+THROUGH: Final = (24, 16, 12, 8, 6, 4)
+"""The line goes through so many beats: the most that lie on one."""
+
+FEWEST: Final = THROUGH[-1]
+
+WAVERING: Final = 12
+"""Where not even a few do, through so many: tempi that waver come back."""
+
+SCATTER: Final = 0.9
+"""Beats lie on a line when they scatter about it by no more than this [frames], and ..."""
+
+BENT: Final = 0.5
+"""... the last three by no more than this on average: the tempo is not changing."""
+
+AGREES: Final = 0.02
+"""Beats that are this much nearer or further apart now (ratio) than the line says: the tempo is changing."""
+
+EBBING: Final = 43
+"""Frames (half a second) before the end of music whose beats are not trusted: it may have died away."""
+
+
+class PassedBeats:
+    """Notes when beats pass, and which of the measure they were; `interval` is what is kept in silence."""
+
+    def __init__(self) -> None:
+        self._time = np.zeros(MOST)
+        self._number = np.zeros(MOST)
+        self._slots = np.zeros((MOST, SLOTS))
+        self._slot = np.zeros(MOST, np.int64)
+        self._count = 0
+        self._frame = 0
+        self._ahead = True
+        self._slope = 0.0
+        self._former: tuple[Floats, Floats, Floats, npt.NDArray[np.int64], int, int] | None = None
+        self.interval = 0.0
+        """Frames from beat to beat by the last beats; by the last word alone while they are few."""
+
+    def step(self, since: float, interval: float, slot: int, slots: Floats, *, anew: bool) -> None:
+        """One frame: the window of the present beat is such that the beat was `since` frames ago (negative: ahead).
+
+        slot, slots (SLOTS,): which beat of the measure it is, and the shares of all. anew: the grid is another one.
+        """
+        self._frame += 1
+        if anew:
+            if self._count >= FEWEST:
+                kept = self._time.copy(), self._number.copy(), self._slots.copy(), self._slot.copy()
+                self._former = (*kept, self._count, self._frame)
+            self._count, self._slope = 0, 0.0
+            self._ahead = since < 0.0
+        elif self._ahead and since >= 0.0 and self._frame - since - float(self._time[-1]) > 0.5 * interval:
+            number = self._number[-1] + max(round((self._frame - since - float(self._time[-1])) / interval), 1)
+            self._pass(self._frame - since, number, slot, slots)
+        self._ahead = since < 0.0
+        near = self._slope > 0.0 and abs(self._slope / interval - 1.0) < AGREES
+        self.interval = self._slope if near else interval
+
+    def rest(self) -> None:
+        """One frame of silence: nothing is heard, and nothing passes."""
+        self._frame += 1
+
+    def before(self, age: float) -> tuple[float, float, int, Floats] | None:
+        """The grid of the music that ended `age` frames ago, whatever was made of the end itself.
+
+        (frames since one of its beats, frames from beat to beat, the slot of that beat, the shares of all slots then);
+        None where too few beats are known.
+        """
+        end = self._frame - age - EBBING
+        if self._former is not None and self._former[5] > end:
+            self._time, self._number, self._slots, self._slot, self._count, _ = self._former
+        while self._count and float(self._time[-1]) > end:
+            for row in (self._time, self._number, self._slots, self._slot):
+                row[1:] = row[:-1].copy()
+            self._count -= 1
+        if self._count < FEWEST:
+            return None
+        slope, last = self._line()
+        self._slope = self.interval = slope
+        return self._frame - last, slope, int(self._slot[-1]), self._slots[-1].copy()
+
+    def _pass(self, time: float, number: float, slot: int, slots: Floats) -> None:
+        for row in (self._time, self._number, self._slots, self._slot):
+            row[:-1] = row[1:]
+        self._time[-1], self._number[-1], self._slots[-1], self._slot[-1] = time, number, slots, slot
+        self._count = min(self._count + 1, MOST)
+        self._slope = self._line()[0] if self._count >= FEWEST else 0.0
+
+    def _line(self) -> tuple[float, float]:
+        """(frames from beat to beat, where the line has the last beat [frame]), of at least `FEWEST` beats."""
+        for count in (*THROUGH, min(WAVERING, self._count)):
+            if count > self._count:
+                continue
+            known, number = self._time[MOST - count :], self._number[MOST - count :]
+            middle = float(number.mean())
+            off = number - middle
+            slope = float(off @ known) / float(off @ off)
+            error = known - known.mean() - slope * off
+            if np.sqrt(np.mean(error**2)) <= SCATTER and abs(error[-3:].mean()) <= BENT:
+                break
+        last = float(known.mean()) + slope * (float(number[-1]) - middle)
+        return slope, last + float(error[-FEWEST:].mean())
+
+
+_OF: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
+_NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
+_PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
+_BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
+
+
+class Place:
+    """Moves along the beats; the shares of all slots move with it."""
+
+    def __init__(self) -> None:
+        self.into = 0.0
+        """How far the window of the present beat is past, 0 to 1 beat."""
+        self.slot = FIRST_SLOT[METRES.index(4)]
+        """Which beat of which metre is believed."""
+        self.shares: npt.NDArray[np.float64] = np.zeros(SLOTS)
+        """What the grid's states say of that, shape (SLOTS,)."""
+
+    @property
+    def metre(self) -> int:
+        """Beats of a measure."""
+        return _OF[self.slot][0]
+
+    def beat(self, past: bool) -> int:
+        """Which beat of its measure the present one is, from 0; that before it, where it is not yet `past`."""
+        return _OF[self.slot if past else _PREVIOUS[self.slot]][1]
+
+    def since(self, interval: float, centre: float) -> float:
+        """Frames since the present beat (negative: ahead), which lies `centre` frames into its window."""
+        return self.into * interval - centre
+
+    def move(self, beats: float) -> None:
+        """Go on, or back, by less than a beat."""
+        self.into += beats
+        if self.into >= 1.0:
+            self.into -= 1.0
+            self.slot = _NEXT[self.slot]
+            self.shares[:-1] = self.shares[_BEFORE]
+        elif self.into < 0.0:
+            self.into += 1.0
+            self.slot = _PREVIOUS[self.slot]
+            self.shares[:-1] = self.shares[_AFTER]
+
+    def begin(self, slot: int, shares: npt.NDArray[np.float64], beats: float) -> None:
+        """`beats` after the window of the beat `slot` began, of which the states said `shares`."""
+        self.into, self.slot = 0.0, slot
+        self.shares[:] = shares
+        for _ in range(int(beats)):
+            self.move(1.0)
+        self.move(beats - int(beats))
+
+    def kept(self) -> Float32:
+        """What the states say of metre and beat, shape (SLOTS,), sum 1; what is believed, where they say nothing."""
+        share = np.asarray(self.shares, np.float32)
+        total = float(share.sum())
+        if total <= 0.0:
+            share = np.zeros(SLOTS, np.float32)
+            share[self.slot] = total = 1.0
+        return share / np.float32(total)

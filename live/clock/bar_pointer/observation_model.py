@@ -1,0 +1,105 @@
+"""What a frame says: the chances of a beat and a downbeat as likelihoods of the states (Krebs et al., ISMIR 2015).
+
+Whereabouts: where in the beat the activations lie, to tell a tracker's doubts from music that has gone elsewhere.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from live.clock.bar_pointer.state_space import Model
+
+Likelihoods = tuple[np.float32, np.float32, np.float32, np.float32]
+
+LEAST: Final = 1e-4
+"""No beat is less sure, nor its absence."""
+
+
+def likelihoods(
+    model: Model, beat: float, downbeat: float, downbeat_range: tuple[float, float], downbeat_sharpness: float
+) -> Likelihoods:
+    """How much likelier the frame is with a plain beat, a downbeat, the middle of a measure, and between beats.
+
+    `downbeat_range`: chances of a downbeat among beats are taken for no less and no more; `downbeat_sharpness`: the
+    exponent of what is heard of them.
+    """
+    beat = min(max(beat, LEAST), 1.0 - LEAST)
+    least, most = downbeat_range
+    first = min(max(downbeat / beat, least), most)
+    odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
+    any_beat = min(max(odds**model.sharpness, model.ratio_min), model.ratio_max)
+    usual = model.downbeat_share
+    other = any_beat * ((1.0 - first) / (1.0 - usual)) ** downbeat_sharpness
+    one = any_beat * (first / usual) ** downbeat_sharpness
+    between = any_beat**model.half_beat
+    middle = model.middle_share * one + (1.0 - model.middle_share) * other
+    return np.float32(other), np.float32(one), np.float32(middle), np.float32(between)
+
+
+QUARTERS: Final = 4
+MEMORY: Final = 0.25
+"""Share of the newest beat."""
+
+ELSEWHERE: Final = 0.6
+"""The grid is left when between on and off the beat there is this share of what is there."""
+
+LONG_MEMORY: Final = 0.02
+USUAL_LOST: Final = 0.45
+"""The grid is left as well when beats have lost this much of what they usually have before off-beats; what is usual
+takes this share of the newest beat (the first beats count alike)."""
+
+SURE: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
+SURE_OF_LEVEL: Final = 0.84
+"""Log-odds that the next beat is right: constant; what is added by each log-odd of the share; by the strength on the
+beat, off it, and in between; and where the level was set by hand. A logistic regression over 10,000 beats named in 60
+held-out made pieces, seeded and not.
+"""
+
+SHARE_LEAST: Final = 0.01
+SHARE_MOST: Final = 0.995
+"""Shares beyond these say no more."""
+
+
+class Whereabouts:
+    """The strongest activations of the last beats, on the beat, off it, and in between.
+
+    A network may find the off-beats stronger for a whole song; then nothing lies in between. A new tempo lies anywhere.
+    Who was sure of the beats and finds them between the old ones now has been left by the music: half a beat too many.
+    """
+
+    def __init__(self) -> None:
+        self.strength = [0.5, 0.0, 0.0, 0.0]
+        """On the beat, a quarter after it, half, three quarters: smoothed maxima of each beat."""
+        self._quarter = 0
+        self._strongest = 0.0
+        self._beats = 0
+        self._usual = 0.0  # strength on the beat less that off it, over a long time
+
+    def step(self, phase: float, activation: float) -> None:
+        """One frame, `phase` beats after the last beat."""
+        quarter = int(phase * QUARTERS + 0.5) % QUARTERS
+        if quarter != self._quarter:
+            here = self._quarter
+            self.strength[here] += MEMORY * (self._strongest - self.strength[here])
+            self._quarter, self._strongest = quarter, 0.0
+            if here == 0:
+                self._beats += 1
+                before = self.strength[0] - self.strength[2]
+                self._usual += max(LONG_MEMORY, 1.0 / self._beats) * (before - self._usual)
+        self._strongest = max(self._strongest, activation)
+
+    @property
+    def left(self) -> bool:
+        """Whether the music has left the grid."""
+        on, first, off, last = self.strength
+        return max(first, last) > ELSEWHERE * max(on, off) or on - off < self._usual - USUAL_LOST
+
+    def confidence(self, share: float, level_is_set: bool = False) -> float:
+        """How likely the next beat is right, 0 to 1; share: of all states, those near the grid."""
+        on, first, off, last = self.strength
+        share = min(max(share, SHARE_LEAST), SHARE_MOST)
+        constant, of_share, of_on, of_off, of_between = SURE
+        odds = SURE_OF_LEVEL * level_is_set
+        odds += constant + of_share * math.log(share / (1.0 - share))
+        return 1.0 / (1.0 + math.exp(-(odds + of_on * on + of_off * off + of_between * max(first, last))))

@@ -1,0 +1,168 @@
+"""BeatEstimate: one beat as a tracker of sound hears it.
+
+Consensus: what several beat estimates say together, against octave errors and single wild ones.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.timeline import Grid
+
+Samples = npt.NDArray[np.float32]
+"""Sound of one channel, shape (n,), full scale = 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class BeatEstimate:
+    """One beat as a tracker hears it; `position` and `heard` are seconds from the first sample fed."""
+
+    position: float
+    """Where the beat lies [s]; it may lie ahead of what was fed: a prediction."""
+    period: float
+    """Seconds to the next beat."""
+    confidence: float
+    """How sure the tracker is, 0 to 1."""
+    heard: float
+    """How much had been fed when the estimate was made [s]."""
+    beat: int = -1
+    """Which beat of its measure it is, from 0; -1 where the tracker does not know."""
+    beats_per_measure: int = 0
+    """0 where the tracker does not know."""
+    replaces: float = math.nan
+    """The position under which the same beat was named before, where this corrects it [s]; else NaN."""
+
+
+MEMORY: Final = 6.0
+"""Seconds an estimate is remembered."""
+
+FADE: Final = 2.5
+"""Seconds in which an estimate's weight falls to 1/e."""
+
+PERIOD_MIN: Final = 60.0 / 240.0
+PERIOD_MAX: Final = 60.0 / 40.0
+"""Bounds of the beats that dancers are asked to dance to [s]: 240 to 40 bpm."""
+
+PERIOD_TOLERANCE: Final = 0.06
+"""Periods that differ less than this (natural logarithm) are the same tempo."""
+
+PHASE_TOLERANCE: Final = 0.12
+"""Beats at this distance from a grid (in beats) support it with a weight of 1/e."""
+
+PREFERENCE_FLOOR: Final = 0.1
+"""What the least expected tempo is worth: enough to be danced to when it is all there is."""
+
+METRICAL: Final = ((1.0, 1.0, 1.0), (2.0, 1.0, 0.4), (0.5, 0.5, 0.4), (3.0, 1.0, 0.2), (1.0 / 3.0, 1.0 / 3.0, 0.2))
+"""(estimate's period / grid's period, lines it may lie on [beats], weight): a tracker hears every second beat, or
+every half one, without being wrong about where beats are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """One estimate: a beat at `time` [s], `period` [s], `weight` 0 to 1."""
+
+    time: float
+    period: float
+    weight: float
+
+
+@dataclass(frozen=True, slots=True)
+class Preference:
+    """Which tempi to believe first: a bell in octaves around `tempo` [bpm], over a floor: none is forbidden."""
+
+    tempo: float = 118.0
+    octaves: float = 0.8
+
+    def of(self, period: float) -> float:
+        """`PREFERENCE_FLOOR` to 1 for a period [s]."""
+        return max(math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2), PREFERENCE_FLOOR)
+
+
+class Consensus:
+    """The estimates of the last seconds, and how well grids agree with them."""
+
+    def __init__(self) -> None:
+        self._heard: deque[Heard] = deque(maxlen=32)
+        self.half_beats = False
+        """Whether beats half a beat off support a grid (when somebody tapped which of the two is the beat)."""
+
+    def clear(self) -> None:
+        """Forget all estimates."""
+        self._heard.clear()
+
+    def add(self, heard: Heard, now: float) -> None:
+        """Remember an estimate; those older than `MEMORY` are dropped."""
+        self._heard.append(heard)
+        while now - self._heard[0].time > MEMORY:
+            self._heard.popleft()
+
+    def __len__(self) -> int:
+        return len(self._heard)
+
+    def _match(self, grid: Grid, heard: Heard) -> tuple[float, float]:
+        """(how well one estimate's beat lies on a grid, what its metrical level is worth), both 0 to 1."""
+        for ratio, division, worth in METRICAL:
+            if abs(math.log(heard.period / (grid.period * ratio))) < PERIOD_TOLERANCE:
+                if self.half_beats:
+                    division = min(division, 0.5)
+                return math.exp(-((grid.residual(heard.time, division) / PHASE_TOLERANCE) ** 2)), worth
+        return 0.0, 0.0
+
+    def support(self, grid: Grid, now: float) -> tuple[float, float]:
+        """(what all estimates say for a grid, the share of them that agrees with it at any metrical level)."""
+        total = agreed = support = 0.0
+        for heard in self._heard:
+            weight = heard.weight * math.exp((heard.time - now) / FADE)
+            match, worth = self._match(grid, heard)
+            total += weight
+            agreed += weight * match
+            support += weight * match * worth
+        return support, agreed / total if total > 0.0 else 0.0
+
+    def witnesses(self, grid: Grid) -> list[Heard]:
+        """The estimates that clearly speak for a grid, oldest first."""
+        return [heard for heard in self._heard if self._match(grid, heard)[0] >= 0.4]
+
+    def candidates(self) -> list[Grid]:
+        """The grids that the newest estimates propose, with their octaves."""
+        grids: list[Grid] = []
+        for heard in list(self._heard)[-6:]:
+            for factor in (1.0, 0.5, 2.0):
+                if PERIOD_MIN <= heard.period * factor <= PERIOD_MAX:
+                    grids.append(self.fitted(Grid(heard.time, heard.period * factor), heard.time))
+        return grids
+
+    def fitted(self, grid: Grid, now: float) -> Grid:
+        """The grid moved and stretched onto the estimates that support it (weighted least squares).
+
+        The slope is held by the periods that the witnesses name, as if they were four more beats.
+        """
+        rows: list[tuple[float, float, float]] = []
+        weight_sum = period_sum = 0.0
+        for heard in self._heard:
+            match, worth = self._match(grid, heard)
+            weight = match * worth * heard.weight * math.exp((heard.time - now) / FADE)
+            if weight < 1e-6:
+                continue
+            division = 0.5 if self.half_beats else 1.0
+            ratio = min(METRICAL, key=lambda row: abs(math.log(heard.period / (grid.period * row[0]))))
+            division = min(division, ratio[1])
+            late = grid.residual(heard.time, division)
+            rows.append((weight, (heard.time - grid.time) / grid.period - late, late))
+            weight_sum += weight
+            period_sum += weight * heard.period / ratio[0]
+        if not rows:
+            return grid
+        mean_k = sum(w * k for w, k, _ in rows) / weight_sum
+        mean_late = sum(w * late for w, _, late in rows) / weight_sum
+        spread = sum(w * (k - mean_k) ** 2 for w, k, _ in rows)
+        slope = sum(w * (k - mean_k) * (late - mean_late) for w, k, late in rows)
+        hold = 4.0 * weight_sum
+        stretch = (slope + hold * (period_sum / weight_sum / grid.period - 1.0)) / (spread + hold)
+        shift = mean_late - stretch * mean_k
+        period = min(max(grid.period * (1.0 + stretch), PERIOD_MIN), PERIOD_MAX)
+        return Grid(grid.time + shift * grid.period, period, grid.number)

@@ -1,0 +1,219 @@
+"""ConsensusEar: statements of a tracker that hears single beats (aubio): the grid that they have in common.
+
+PointerEar: statements of a tracker that keeps its own hypotheses (a bar pointer), smoothed and guarded.
+
+The tracker is believed in tempo, beat and measure; what is left here is its jitter, single wild statements (fills),
+and to change over at once when several of them agree on something else (a new tempo).
+"""
+
+import math
+from typing import Final
+
+from live.clock.beat_estimate import Consensus, Heard, Preference
+from live.clock.follower.beat_kalman_filter import BeatFilter
+from live.clock.follower.clock_source import Lines, Said
+from live.clock.timeline import Grid
+
+CHALLENGE: Final = 1.3
+"""A grid that contradicts the present one needs this much more support, from ..."""
+
+CHALLENGE_SPAN: Final = 2.0
+"""... at least three estimates over at least these seconds: one decision of a tracker may sound like several."""
+
+SAME_BEATS: Final = 0.1
+"""Beats within this [beats] are the same; farther apart than `Consensus` lets estimates speak for a grid it must not
+be, or a grid could be neither confirmed by what is heard nor give way to it."""
+
+HAND_OCTAVES: Final = 0.15
+KNOWN_OCTAVES: Final = 0.12
+"""How narrowly a tempo that somebody tapped, typed or wrote down rules the choice of octave."""
+
+
+class ConsensusEar:
+    """Which grid the estimates of the last seconds mean."""
+
+    def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
+        """`grid` is what is run while nothing is heard; `known_tempo` [bpm] settles the octave."""
+        self.grid = grid
+        self._prefer = Preference() if known_tempo is None else Preference(known_tempo, KNOWN_OCTAVES)
+        self._consensus = Consensus()
+        self._first = True
+        self.share = 0.0
+        """The share of what was lately heard that agrees with the grid, 0 to 1."""
+        self.believed = False
+        """Whether several estimates since the last `clear` mean the grid."""
+
+    @property
+    def sure(self) -> bool:
+        """Whether most of what was heard agrees."""
+        return self.believed and self.share >= 0.5 and len(self._consensus) >= 4
+
+    def clear(self) -> None:
+        """What comes now is judged afresh."""
+        self._consensus.clear()
+        self.believed = False
+
+    def take(self, grid: Grid) -> None:
+        """The hand says what the beat is, and which of the half beats."""
+        self.grid = grid
+        self._prefer = Preference(grid.tempo, HAND_OCTAVES)
+        self._consensus.clear()
+
+    def keep_half_beats(self) -> None:
+        """Estimates half a beat off speak for the grid, too: somebody tapped which of the two is the beat."""
+        self._consensus.half_beats = True
+
+    def heard(self, said: Said, now: float, *, decide: bool) -> None:
+        """Remember a statement, and unless the hand rules decide what all say together."""
+        self._consensus.add(Heard(said.time, said.period, 0.3 + 0.7 * min(max(said.confidence, 0.0), 1.0)), now)
+        if decide:
+            self._decide(now)
+
+    def _decide(self, now: float) -> None:
+        """Keep the grid and refine it, or take another that several estimates agree on."""
+        consensus = self._consensus
+        support, share = consensus.support(self.grid, now)
+        support *= self._prefer.of(self.grid.period)
+        best, best_support = self.grid, support
+        for grid in consensus.candidates():
+            value = consensus.support(grid, now)[0] * self._prefer.of(grid.period)
+            if value > best_support:
+                best, best_support = grid, value
+        if not self._same(best) and self._convinces(best, best_support, support):
+            kept = consensus.half_beats and abs(math.log(self.grid.tempo / best.tempo)) < 0.15
+            self.grid = best.numbered_like(self.grid.beat_at(now), now)
+            consensus.half_beats = kept
+            self._first, self.believed = False, True
+        elif len(consensus.witnesses(self.grid)) >= (3 if self._first else 2):
+            self._refine(now)
+            self._first, self.believed = False, True
+        self.share = consensus.support(self.grid, now)[1] if self.believed else share
+
+    def _same(self, grid: Grid) -> bool:
+        tempo = abs(math.log(grid.period / self.grid.period)) < 0.04
+        return tempo and abs(self.grid.residual(grid.time)) < SAME_BEATS
+
+    def _convinces(self, grid: Grid, value: float, present: float) -> bool:
+        witnesses = self._consensus.witnesses(grid)
+        if len(witnesses) < 3 or value < CHALLENGE * present:
+            return False
+        return self._first or witnesses[-1].time - witnesses[0].time >= CHALLENGE_SPAN
+
+    def _refine(self, now: float) -> None:
+        fitted = self._consensus.fitted(self.grid, now)
+        number = math.floor(fitted.beat_at(now))
+        self.grid = Grid(fitted.time + (number - fitted.number) * fitted.period, fitted.period, number)
+
+
+AGREED: Final = 3
+AGREED_SURE: Final = 2
+SURE: Final = 0.6
+"""So many statements that contradict the beats but agree with each other take over; fewer if they are so sure."""
+
+AGREES_BEATS: Final = 0.15
+AGREES_TEMPO: Final = 0.06
+"""How near two statements must be to agree (beats; relative)."""
+
+SHARE_MEMORY: Final = 0.2
+"""Share of the newest statement in the share that fits."""
+
+
+class PointerEar:
+    """What a tracker with a bar pointer says."""
+
+    def __init__(self) -> None:
+        self._filter: BeatFilter | None = None
+        self._suspects: list[Said] = []
+        self._line: float | None = None
+        self._beats = 0
+        self._votes = 0
+        self._voted = -1
+        self.share = 0.0
+        """Lately, how much of what was said fitted, weighted with its confidence, 0 to 1."""
+        self.restarts = 0
+        """How often the beats were given up for others."""
+
+    @property
+    def grid(self) -> Grid | None:
+        """The tracker's beats; None before any."""
+        return None if self._filter is None else self._filter.grid
+
+    @property
+    def believed(self) -> bool:
+        """Whether several statements agree."""
+        return self._filter is not None and self._filter.updates >= 2
+
+    @property
+    def sure(self) -> bool:
+        """Whether many do, or the tracker is sure."""
+        return self._filter is not None and self._filter.updates >= 4 and self.share >= 0.5
+
+    def clear(self) -> None:
+        """What comes now is judged afresh."""
+        self._filter, self._line = None, None
+        self._suspects.clear()
+        self.share = 0.0
+
+    def heard(self, said: Said) -> None:
+        """A statement: it fits, or is remembered as a suspect until others agree with it."""
+        if self._filter is None:
+            self._start(said, 0)
+            return
+        fits = self._filter.update(said.time, said.period, said.confidence)
+        self.share += SHARE_MEMORY * ((0.3 + 0.7 * said.confidence if fits else 0.0) - self.share)
+        if fits:
+            self._suspects.clear()
+            self._vote(said)
+            return
+        if self._suspects and not _agree(self._suspects[-1], said):
+            self._suspects.clear()
+        if self._suspects and abs(said.time - self._suspects[-1].time) < 0.3 * said.period:
+            self._suspects.pop()  # the same beat, said again
+        self._suspects.append(said)
+        sure = min(suspect.confidence for suspect in self._suspects) >= SURE
+        if len(self._suspects) >= (AGREED_SURE if sure else AGREED):
+            self._change_over()
+
+    def lines(self) -> Lines | None:
+        """Where the tracker's measures begin."""
+        return None if self._line is None else Lines(self._line, float(self._beats), float(self._votes))
+
+    def _start(self, said: Said, number: int) -> None:
+        self._filter = BeatFilter(said.time, said.period, said.confidence, number)
+        self.share = 0.3 + 0.7 * said.confidence
+        self._line, self._votes = None, 0
+        self._vote(said)
+
+    def _change_over(self) -> None:
+        """The suspects are right: the beats are theirs, numbered on."""
+        assert self._filter is not None
+        first, *others = self._suspects
+        number = math.floor(self._filter.grid.beat_at(first.time) + 0.5)
+        self._start(first, number)
+        for said in others:
+            self._filter.update(said.time, said.period, said.confidence)
+            self._vote(said)
+        self._suspects.clear()
+        self.restarts += 1
+
+    def _vote(self, said: Said) -> None:
+        """Count how many beats running name the same measure line; a beat said again counts once."""
+        assert self._filter is not None
+        if said.beat < 0 or said.beats_per_measure < 1:
+            return
+        number = self._filter.number
+        line, again = number - said.beat, number == self._voted and self._line is not None
+        same = self._line is not None and self._beats == said.beats_per_measure
+        same = same and (line - self._line) % said.beats_per_measure == 0  # type: ignore[operator]
+        if not same:
+            self._votes = 1
+        elif not again:
+            self._votes += 1
+        self._line, self._beats, self._voted = float(line), said.beats_per_measure, number
+
+
+def _agree(one: Said, other: Said) -> bool:
+    """Whether two statements tell of the same beats."""
+    if abs(math.log(other.period / one.period)) > AGREES_TEMPO:
+        return False
+    return abs(Grid(one.time, 0.5 * (one.period + other.period)).residual(other.time)) < AGREES_BEATS

@@ -1,1 +1,0 @@
-"""Sound in, beat and downbeat activations out: what is heard in each frame, before any rhythm is made of it."""

@@ -1,0 +1,288 @@
+"""Network: what is seen of a frame through trained weights, to the chances of a beat and of a downbeat.
+
+Filters along frequency, one dense layer, two gated recurrent layers (Cho et al., Learning phrase representations
+using RNN encoder-decoder, 2014; the form with the reset after the product), one head of three classes: nothing, beat,
+downbeat. The recurrent layers run at every second frame and speak of both. `training/` makes the weights; the core is
+given them as arrays.
+
+Hearing: samples in; per frame of 11.6 ms, how much it sounds like a beat and like a downbeat.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.tracking.feature_kernels import LEVEL_FLOOR, filter_bands, follow_level, layer, look, rectify, remember
+from live.clock.tracking.features import BAND_COUNT, BANDS, HOP, LAGS, Samples, Spectrum
+
+Floats = npt.NDArray[np.float32]
+
+STRIDE: Final = 5
+"""Bands from one place of a filter to the next."""
+
+LAYERS: Final = 2
+"""Recurrent layers."""
+
+PAIR: Final = 2
+"""Frames that the recurrent layers take, and speak of, at a time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weights:
+    """Trained numbers, float32, C-contiguous."""
+
+    filters: tuple[Floats, ...]
+    """Per ear, filters (2 span, channels): levels, then rises."""
+    filter_bias: tuple[Floats, ...]
+    dense: Floats
+    dense_bias: Floats
+    asked: tuple[Floats, ...]
+    """Per recurrent layer, the input's share (inputs, 3 units): update, reset, candidate."""
+    asked_bias: tuple[Floats, ...]
+    recalled: tuple[Floats, ...]
+    """Per recurrent layer, the memory's share (units, 3 units)."""
+    candidate_bias: tuple[Floats, ...]
+    head: Floats
+    """(units of all layers, PAIR * 3): the older frame first."""
+    head_bias: Floats
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, npt.NDArray[np.floating]]) -> "Weights":
+        """From named arrays as the training writes them; KeyError or ValueError where they do not fit together."""
+
+        def take(name: str) -> Floats:
+            found = np.array(arrays[name], np.float32, order="C")  # a copy: kernels take no read-only arrays
+            if not np.isfinite(found).all():
+                raise ValueError(f"weights {name} are not finite")
+            return found
+
+        ears, layers = range(len(BANDS)), range(LAYERS)
+        weights = cls(
+            filters=tuple(take(f"ear{ear}_w") for ear in ears),
+            filter_bias=tuple(take(f"ear{ear}_b") for ear in ears),
+            dense=take("dense_w"),
+            dense_bias=take("dense_b"),
+            asked=tuple(take(f"gru{index}_x") for index in layers),
+            asked_bias=tuple(take(f"gru{index}_b") for index in layers),
+            recalled=tuple(take(f"gru{index}_h") for index in layers),
+            candidate_bias=tuple(take(f"gru{index}_c") for index in layers),
+            head=take("head_w"),
+            head_bias=take("head_b"),
+        )
+        weights._check()
+        return weights
+
+    def places(self, ear: int) -> int:
+        """How many places an ear's filters look at."""
+        count: int = (BANDS[ear] - self.filters[ear].shape[0] // 2) // STRIDE + 1
+        return count
+
+    def _check(self) -> None:
+        flat = sum(self.places(ear) * weight.shape[1] for ear, weight in enumerate(self.filters))
+        sizes = [self.dense.shape[1], *(weight.shape[0] for weight in self.recalled)]
+        wanted: list[tuple[Floats, tuple[int, ...]]] = [(self.dense, (flat, sizes[0])), (self.dense_bias, (sizes[0],))]
+        for ear, weight in enumerate(self.filters):
+            wanted.append((self.filter_bias[ear], (weight.shape[1],)))
+        for index in range(LAYERS):
+            below, units = sizes[index] * (PAIR if index == 0 else 1), sizes[index + 1]
+            wanted += [
+                (self.asked[index], (below, 3 * units)),
+                (self.asked_bias[index], (3 * units,)),
+                (self.recalled[index], (units, 3 * units)),
+                (self.candidate_bias[index], (units,)),
+            ]
+        wanted += [(self.head, (sum(sizes[1:]), 3 * PAIR)), (self.head_bias, (3 * PAIR,))]
+        for array, shape in wanted:
+            if array.shape != shape:
+                raise ValueError(f"weights of shape {array.shape} where {shape} is expected")
+
+
+class Network:
+    """The trained activation; allocates nothing after it was made."""
+
+    def __init__(self, weights: Weights) -> None:
+        self.beat = np.zeros(PAIR)
+        self.downbeat = np.zeros(PAIR)
+        self._waiting = 0
+        self._weights = weights
+        channels = [weight.shape[1] for weight in weights.filters]
+        places = [weights.places(ear) for ear in range(len(BANDS))]
+        self._edges = [0, *np.cumsum([a * b for a, b in zip(places, channels, strict=True)]).tolist()]
+        self._first = [0, *np.cumsum(BANDS).tolist()]
+        self._filtered = np.zeros(self._edges[-1], np.float32)
+        self._pair = np.zeros(PAIR * weights.dense.shape[1], np.float32)
+        self._dense = np.split(self._pair, PAIR)
+        units = [weight.shape[0] for weight in weights.recalled]
+        self._asked = [np.zeros(3 * count, np.float32) for count in units]
+        self._recalled = [np.zeros(3 * count, np.float32) for count in units]
+        self._none = [np.zeros(3 * count, np.float32) for count in units]
+        self._all = np.zeros(sum(units), np.float32)
+        edges = [0, *np.cumsum(units).tolist()]
+        self._memory = [self._all[edges[index] : edges[index + 1]] for index in range(LAYERS)]
+        self._logits = np.zeros(3 * PAIR, np.float32)
+
+    def reset(self) -> None:
+        """Forget all music so far."""
+        self._all[:] = 0.0
+        self._waiting = 0
+
+    def step(self, look: Floats) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 0 and PAIR in turn."""
+        if look.shape != (2 * BAND_COUNT,):
+            raise ValueError(f"a frame of shape {look.shape}: {(2 * BAND_COUNT,)} expected")
+        kept = self._weights
+        for ear, bands in enumerate(BANDS):
+            filter_bands(
+                look, self._first[ear], bands, kept.filters[ear], kept.filter_bias[ear], STRIDE,
+                self._filtered, self._edges[ear],
+            )  # fmt: skip
+        dense = self._dense[self._waiting]
+        layer(self._filtered, kept.dense, kept.dense_bias, dense)
+        rectify(dense)
+        self._waiting = (self._waiting + 1) % PAIR
+        if self._waiting:
+            return 0
+        self._recall()
+        return PAIR
+
+    def _recall(self) -> None:
+        kept = self._weights
+        below = self._pair
+        for index, memory in enumerate(self._memory):
+            layer(below, kept.asked[index], kept.asked_bias[index], self._asked[index])
+            layer(memory, kept.recalled[index], self._none[index], self._recalled[index])
+            remember(self._asked[index], self._recalled[index], kept.candidate_bias[index], memory)
+            below = memory
+        layer(self._all, kept.head, kept.head_bias, self._logits)
+        for frame in range(PAIR):
+            nothing, beat, downbeat = (float(value) for value in self._logits[3 * frame : 3 * frame + 3])
+            top = max(nothing, beat, downbeat)
+            shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
+            total = sum(shares)
+            self.downbeat[frame] = shares[2] / total
+            self.beat[frame] = (shares[1] + shares[2]) / total
+
+
+DELAY_FRAMES: Final = 3
+DELAY: Final = DELAY_FRAMES * HOP
+"""A frame speaks of the moment this long [s] before its last sample: then the window has seen the attack."""
+
+SPARE: Final = 4
+"""Frames that may come beside those that a block completes."""
+
+LONGEST: Final = 256
+"""Frames for which room is made at the start (3 s); a longer block makes more once."""
+
+
+Chances = npt.NDArray[np.float64]
+
+
+class Activation(Protocol):
+    """What makes two numbers of each frame: the network, or plain onsets where there is none.
+
+    It may wait for a frame or two and then speak of all of them at once.
+    """
+
+    beat: Chances
+    """Chance that a beat lies at a frame's moment, 0 to 1 (a downbeat is a beat too), oldest frame first."""
+    downbeat: Chances
+    """Chance that a downbeat lies there, 0 to `beat`."""
+
+    def step(self, look: npt.NDArray[np.float32]) -> int:
+        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,).
+
+        Returns of how many frames it now speaks, the newest of them this one: the first rows of `beat`, `downbeat`.
+        """
+
+    def reset(self) -> None:
+        """Forget all music so far."""
+
+
+class Hearing:
+    """Feeds a stream of samples, at any rate and block size, to an Activation, frame by frame.
+
+    After `feed` the frames it completed lie in the first rows of `position`, `beat` and `downbeat`; the next call
+    overwrites them. Nothing is allocated from one block to the next.
+    """
+
+    def __init__(self, sample_rate: float, activation: Activation) -> None:
+        """Raises ValueError for a sample rate [Hz] outside 16,000 to 400,000."""
+        self._spectrum = Spectrum(sample_rate)
+        self._activation = activation
+        self._level = LEVEL_FLOOR
+        self._past = np.zeros((int(LAGS.max()) + 1, BAND_COUNT), np.float32)
+        self._look = np.zeros(2 * BAND_COUNT, np.float32)
+        self._make_room(LONGEST)
+
+    @property
+    def sample_rate(self) -> float:
+        """Samples per second [Hz]."""
+        return self._spectrum.sample_rate
+
+    @property
+    def wanted(self) -> int:
+        """Samples missing until the next frame is full: feed so many to lose no time."""
+        return self._spectrum.wanted
+
+    @property
+    def fed(self) -> float:
+        """Seconds of sound fed so far."""
+        return self._spectrum.fed / self._spectrum.sample_rate
+
+    @property
+    def level(self) -> float:
+        """RMS of the newest frame, full scale = 1."""
+        return self._spectrum.level
+
+    @property
+    def bad_samples(self) -> int:
+        """Samples that were no sound (NaN, infinite, beyond 64) and became 0, since the start."""
+        return self._spectrum.bad_samples
+
+    def feed(self, samples: Samples) -> int:
+        """Hear the next samples, shape (n,), of one channel; returns how many frames they completed.
+
+        Frame i of them speaks of the moment `position[i]` [s from the first sample fed]: `beat[i]` is the chance
+        that a beat lies there, `downbeat[i]` that a downbeat does (never more than `beat[i]`).
+        Raises ValueError for another shape.
+        """
+        if samples.ndim != 1:
+            raise ValueError(f"samples of shape {samples.shape}: one channel, shape (n,), expected")
+        if samples.shape[0] > (self.position.shape[0] - SPARE) * self._spectrum.hop:
+            self._make_room(int(samples.shape[0] / self._spectrum.hop) + SPARE + 1)
+        count = start = 0
+        while start < samples.shape[0]:
+            start += self._spectrum.take(samples, start)
+            if self._spectrum.wanted == 0:
+                count += self._hear(count)
+        return count
+
+    def reset(self) -> None:
+        """Forget the music so far (after a long silence); positions go on."""
+        self._activation.reset()
+        self._level = LEVEL_FLOOR
+        self._past[:] = 0.0
+
+    def _hear(self, first: int) -> int:
+        spectrum = self._spectrum
+        spectrum.read()
+        self._level = follow_level(spectrum.bands, self._level)
+        look(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._look)
+        count = self._activation.step(self._look)
+        for index in range(count):
+            self.position[first + index] = (spectrum.frames - count + 1 + index) * HOP - DELAY
+            self.beat[first + index] = self._activation.beat[index]
+            self.downbeat[first + index] = self._activation.downbeat[index]
+        return count
+
+    def _make_room(self, frames: int) -> None:
+        self.position = np.zeros(frames)
+        """Moments that the frames speak of [s], shape (frames,)."""
+        self.beat = np.zeros(frames)
+        """Chance of a beat, shape (frames,)."""
+        self.downbeat = np.zeros(frames)
+        """Chance of a downbeat, shape (frames,)."""

@@ -1,0 +1,183 @@
+"""Together: what all voices want, as what the show is told: once a tick at most, and only what has changed.
+
+Lights: which few of many voices are seen on the projector, in turn, so that everybody sees her own at some time.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.control.audience.participant_state import PLACES, Force, Voices
+from live.control.audience.phone_registry import Phone, hue_of
+
+STAYS: Final = 8.0
+"""A voice is seen for so long [s] while others wait."""
+
+
+class Lights:
+    """Rows of voices that are seen. Thread: one."""
+
+    def __init__(self, most: int) -> None:
+        self.most = most
+        self._since: dict[int, float] = {}
+        self._waiting: deque[int] = deque()
+
+    @property
+    def seen(self) -> list[int]:
+        """Rows that are seen, longest first."""
+        return list(self._since)
+
+    def keep(self, speaks: Callable[[int], bool]) -> None:
+        """Who does not speak any more is not seen."""
+        for row in [row for row in self._since if not speaks(row)]:
+            del self._since[row]
+
+    def choose(self, speaking: list[int], now: float) -> None:
+        """Who speaks at `now` [s]: those seen go on being seen for a while, the others wait for a place."""
+        there = set(speaking)
+        self._since = {row: since for row, since in self._since.items() if row in there}
+        self._waiting = deque(row for row in self._waiting if row in there)
+        known = {*self._since, *self._waiting}
+        self._waiting.extend(row for row in speaking if row not in known)
+        for row, since in list(self._since.items()):
+            waiting = len(self._waiting) - max(self.most - len(self._since), 0)
+            if len(self._since) > self.most or (waiting > 0 and now - since > STAYS):
+                del self._since[row]
+                self._waiting.append(row)
+        while self._waiting and len(self._since) < self.most:
+            self._since[self._waiting.popleft()] = now
+
+
+AGAIN: Final = 0.5
+"""What is as it was is said again after so long [s]: elements end by themselves."""
+LIGHTS_EVERY: Final = 0.1
+"""Lights are told so often [s]; in the picture they glide."""
+CHOICE_EVERY: Final = 0.25
+VOTES_EVERY: Final = 0.2
+COARSE: Final = 2
+"""Centimetres that a place must have moved."""
+NONE: Final = "-"
+WAYS: Final = 16384
+"""Messages of which it is known how long they waited."""
+
+
+class Together:
+    """Thread: one."""
+
+    def __init__(self, voices: Voices, visible: int) -> None:
+        self._voices = voices
+        self.lights = Lights(visible)
+        self.order = 0
+        self._said: tuple[Any, ...] = ()
+        self._known: dict[str, str] = {}
+        self._places: dict[int, tuple[int, int, int, int]] = {}
+        self._next_lights = self._next_choice = self._next_votes = self._again = 0.0
+        self._shown: dict[int, None] = {}
+        self._ways = np.zeros(WAYS)
+        self._way = 0
+        self._turned = -np.inf
+
+    def turn(self, now: float, phones: int, is_open: bool, votes: Callable[[], str]) -> tuple[Any, ...] | None:
+        """What the show is to be told at `now` [s]: the fields of its event; None if nothing is new."""
+        voices = self._voices
+        weight = voices.weights(now) if is_open else np.zeros(len(voices.number))
+        rows = np.flatnonzero(weight)
+        force = voices.force(now, weight) if len(rows) else Force(0.0, (), voices.shaken(now) if is_open else 0.0)
+        places = self._slots(force)
+        lights = ""
+        if now >= self._next_lights:
+            self._next_lights = now + LIGHTS_EVERY
+            if now >= self._next_choice:
+                self._next_choice = now + CHOICE_EVERY
+                self.lights.choose(rows.tolist(), now)
+            else:
+                self.lights.keep(lambda row: bool(weight[row]))
+            lights = self._seen()
+        tally = ""
+        if now >= self._next_votes:
+            self._next_votes = now + VOTES_EVERY
+            tally = votes()
+        if self._said[1:2] != (self.order,):  # what the show was told with an older order it may not have heeded
+            self._known = {}
+        lights, tally = self._news("lights", lights), self._news("votes", tally)
+        said = (phones, self.order, round(50 * force.share) * 20, places, round(20 * force.shaken) * 50)
+        still = places == NONE and not force.shaken  # nothing acts that would end by itself
+        if said == self._said and (still or now < self._again) and not lights and not tally:
+            self._turned = now  # what has come says what the show knows
+            return None
+        self._note(now, rows)
+        self._said, self._again = said, now + AGAIN
+        return ("heard", now, *said[:4], lights, tally, said[4])
+
+    def _news(self, what: str, words: str) -> str:
+        """The words, unless the show knows them."""
+        if not words or self._known.get(what) == words:
+            return ""
+        self._known[what] = words
+        return words
+
+    def unsaid(self) -> None:
+        """The show could not be told: it will be, the next time."""
+        self._said, self._known = (), {}
+
+    def _slots(self, force: Force) -> str:
+        """Places as words; each keeps its slot from one time to the next, so that its element goes with it."""
+        left, taken = dict(self._places), {}
+        rows = [(round(p.x * 100), round(p.z * 100), round(p.weight * 50) * 20, p.mode) for p in force.places]
+        waiting = []
+        for row in rows:
+            near = min(
+                (slot for slot, old in left.items() if old[3] == row[3]),
+                key=lambda slot: abs(left[slot][0] - row[0]) + abs(left[slot][1] - row[1]), default=None,
+            )  # fmt: skip
+            if near is None:
+                waiting.append(row)
+                continue
+            old = left.pop(near)
+            still = max(abs(old[0] - row[0]), abs(old[1] - row[1])) < COARSE
+            taken[near] = (old[0], old[1], row[2], row[3]) if still else row
+        for row in waiting:
+            taken[next(slot for slot in range(PLACES) if slot not in taken)] = row
+        self._places = taken
+        count = max(taken, default=-1) + 1
+        return ",".join(" ".join(map(str, taken.get(slot, (0, 0, 0, 1)))) for slot in range(count)) or NONE
+
+    def _seen(self) -> str:
+        """The lights as words, in steps of 5 cm."""
+        voices, words = self._voices, []
+        for row in self.lights.seen:
+            number = int(voices.number[row])
+            x, z = (round(float(value) * 20) * 5 for value in (voices.x[row], voices.z[row]))
+            words.append(f"{number} {x} {z} {hue_of(number)} {int(voices.mode[row])}")
+        return ",".join(words) or NONE
+
+    def changed(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
+        """Whose light has come or gone since the last call."""
+        seen = dict.fromkeys(int(self._voices.number[row]) for row in self.lights.seen)
+        if seen.keys() == self._shown.keys():
+            return
+        before, self._shown = self._shown, seen
+        for number in before.keys() ^ seen.keys():
+            phone = phones.get(number)
+            if phone is not None and phone.lit != (number in seen):
+                yield phone, number in seen
+
+    def _note(self, now: float, rows: npt.NDArray[np.intp]) -> None:
+        """Note how long the messages have waited that have come since the show was told something last."""
+        said = self._voices.said[rows]
+        waited = now - said[said > self._turned]
+        self._turned = now
+        for begin in range(0, len(waited), WAYS):
+            part = waited[begin : begin + WAYS]
+            self._ways[(self._way + np.arange(len(part))) % WAYS] = part
+            self._way += len(part)
+
+    def ways(self) -> list[float]:
+        """How long the last messages waited until the show was told, median and 99 of 100 [ms]."""
+        known = self._ways[: min(self._way, WAYS)]
+        return (
+            [round(1000.0 * float(value), 2) for value in np.percentile(known, (50, 99))] if len(known) else [0.0] * 2
+        )

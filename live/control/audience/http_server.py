@@ -1,0 +1,246 @@
+"""The door: pages for browsers, and the way of a phone from its connection until it has gone.
+
+The page that phones load: one file, made once in each language, with headers that let nothing else in.
+"""
+
+import asyncio
+import base64
+import contextlib
+import gzip
+import hashlib
+import hmac
+import json
+import re
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from aiohttp import WSMsgType, web
+
+from live.control.audience import phone_protocol as wire
+from live.control.audience.admission import OWN_WIFI, Answer
+from live.control.audience.arp_table import Neighbours
+from live.control.audience.broadcaster import Teller
+from live.control.audience.client_address import Proxies, address_of, group_of
+from live.control.audience.phone_registry import Device, Phone, device_of, group_number, hue_of, token_of
+from live.control.audience.rate_limit import Why
+from live.control.audience.session_state import Hall
+from live.control.audience.websocket_reader import Reading
+from live.control.web.web_server import is_ours
+
+PAGE: Final = Path(__file__).with_name("page.html")
+LANGUAGES: Final = ("en", "pt")
+
+
+class Pages:
+    """Thread: one."""
+
+    def __init__(self, link: str) -> None:
+        """`link`: the address that phones are given."""
+        self.host = link.partition("://")[2].partition("/")[0].rpartition("@")[2]
+        text = PAGE.read_text("utf-8")
+        self._pages = {}
+        for language in LANGUAGES:
+            page = text.replace('<html lang="en"', f'<html lang="{language}"', 1).encode()
+            self._pages[language] = (page, gzip.compress(page, 9, mtime=0))
+        hashes = [_hashed(found) for found in re.findall(r"<script>(.*?)</script>", text, re.S)]
+        styles = [_hashed(found) for found in re.findall(r"<style>(.*?)</style>", text, re.S)]
+        policy = (
+            f"default-src 'none'; script-src {' '.join(hashes)}; style-src {' '.join(styles)}; "
+            "connect-src 'self' ws: wss:; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        )
+        self._headers = {
+            "Content-Security-Policy": policy, "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer",
+            "Vary": "Accept-Language, Accept-Encoding", "Cache-Control": "max-age=60",
+        }  # fmt: skip
+
+    def answer(self, request: web.Request) -> web.Response:
+        """The page in the language that a browser prefers."""
+        plain, packed = self._pages[language_of(request.headers.get("Accept-Language", ""))]
+        headers = self._headers
+        if "gzip" in request.headers.get("Accept-Encoding", ""):
+            headers, plain = headers | {"Content-Encoding": "gzip"}, packed
+        return web.Response(body=plain, content_type="text/html", charset="utf-8", headers=headers)
+
+
+def language_of(accepted: str) -> str:
+    """The language of the page for a header Accept-Language (RFC 9110, 12.5.4); English where it says none of ours."""
+    best, found = 0.0, LANGUAGES[0]
+    for index, part in enumerate(accepted[:400].split(",")[:20]):
+        tag, _, rest = part.strip().partition(";")
+        name = tag.strip().partition("-")[0].casefold()
+        match = re.fullmatch(r"\s*q=([01](?:\.\d{0,3})?)\s*", rest) if rest else None
+        weight = (float(match[1]) if match else 1.0 if not rest else 0.0) - 1e-4 * index
+        if name in LANGUAGES and weight > best:
+            best, found = weight, name
+    return found
+
+
+def _hashed(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+HELLO_WITHIN: Final = 5.0
+"""Who has connected asks for a page, or says who it is, so soon [s]: first bytes, headers and all."""
+SPARE: Final = 16
+"""Connections of one address beside those of its phones."""
+MOST_OF_ADDRESS: Final = 1024
+"""Connections of one address that have not said who they are, whatever the network; a named proxy may have any."""
+WAITING: Final = 512
+"""Connections of those who have not said yet who they are."""
+
+
+class Door:
+    """Thread: the gateway's loop."""
+
+    def __init__(self, hall: Hall, teller: Teller, secret: bytes, plan: dict[str, Any]) -> None:
+        """`plan`: the link that phones are given, and what the network is like."""
+        self._hall, self._teller, self._secret = hall, teller, secret
+        self._pages = Pages(str(plan["link"]))
+        self._proxies = Proxies(plan.get("proxies", ()))
+        own = plan.get("network", OWN_WIFI) == OWN_WIFI and bool(plan.get("by_card", True))
+        self._neighbours = Neighbours(secret) if own else None
+        of_group = int(plan["per_address"]) if hall.admission.apart else MOST_OF_ADDRESS
+        self._of_address = min(of_group, MOST_OF_ADDRESS) + SPARE
+        self._met: dict[Any, float] = {}
+        self._upgraded: set[Any] = set()
+        self._greeting: Counter[int] = Counter()
+
+    async def answer(self, request: web.Request) -> web.StreamResponse:
+        """A page, or a phone that wants to play."""
+        if not is_ours(request.headers.get("Host", ""), self._pages.host):
+            return self._refuse(Why.HOST, 403)
+        if request.path == "/ws" and request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._connected(request)
+        if request.path != "/" or request.method not in ("GET", "HEAD"):
+            return self._refuse(Why.PATH, 404)
+        page = self._pages.answer(request)
+        page.force_close()  # what comes next is a WebSocket, on a connection of its own
+        return page
+
+    def _refuse(self, why: Why, status: int) -> web.Response:
+        self._hall.refused[why] += 1
+        response = web.Response(status=status, headers={"Retry-After": "5"} if status == 503 else None)
+        response.force_close()
+        return response
+
+    async def _group(self, request: web.Request) -> int:
+        """Who comes from there: the network card, if it is known, or the address, as a keyed hash."""
+        headers = request.headers
+        address = self._proxies.sender(
+            request.remote or "", headers.getall("X-Forwarded-For", ()), headers.getall("Forwarded", ())
+        )
+        card = ""
+        if self._neighbours is not None and address is not None:
+            card = await self._neighbours.card_of(address)
+        return group_number(self._secret, card or group_of(address))
+
+    def _browser(self, request: web.Request) -> int:
+        """What a browser says of itself, as a keyed hash."""
+        words = "\n".join(request.headers.get(name, "")[:400] for name in ("User-Agent", "Accept-Language"))
+        digest = hmac.new(self._secret, f"browser {words}".encode("utf-8", "replace"), hashlib.sha256).digest()
+        return int.from_bytes(digest[:6], "big")
+
+    async def _connected(self, request: web.Request) -> web.StreamResponse:
+        if request.headers.get("Origin", "").partition("://")[2] != request.headers.get("Host", ""):
+            return self._refuse(Why.ORIGIN, 403)
+        if len(self._upgraded) >= self._hall.phones.most + WAITING:
+            return self._refuse(Why.FULL, 503)
+        group = await self._group(request)
+        if self._greeting[group] >= self._of_address:
+            return self._refuse(Why.ADDRESS, 503)
+        ws = web.WebSocketResponse(max_msg_size=wire.LONGEST, compress=False, timeout=2.0)
+        await ws.prepare(request)
+        transport = request.transport
+        self._upgraded.add(transport)
+        phone: Phone | None = None
+        try:
+            phone = await self._greeted(ws, request, group)
+            if phone is not None:
+                await phone.gone
+        except (ConnectionError, RuntimeError):  # it has gone meanwhile
+            pass
+        finally:
+            self._upgraded.discard(transport)
+            if phone is not None:
+                self._hall.part(phone)
+            with contextlib.suppress(ConnectionError, RuntimeError):
+                await ws.close()
+        return ws
+
+    async def _greeted(self, ws: web.WebSocketResponse, request: web.Request, group: int) -> Phone | None:
+        """Who it is, and welcome; None if it may not play, which it is told."""
+        hall = self._hall
+        self._greeting[group] += 1
+        try:
+            first = await asyncio.wait_for(ws.receive(), HELLO_WITHIN)
+        except TimeoutError:
+            hall.refused[Why.SILENT] += 1
+            return None
+        finally:
+            self._greeting[group] -= 1
+            if not self._greeting[group]:
+                del self._greeting[group]
+        hello = wire.hello_of(first.data) if first.type is WSMsgType.TEXT else None
+        if hello is None:
+            if first.type in (WSMsgType.TEXT, WSMsgType.BINARY):
+                hall.refused[Why.MALFORMED] += 1
+            elif first.type is WSMsgType.ERROR:
+                hall.refused[Why.LONG] += 1
+            return None
+        known = device_of(self._secret, hello.token) if hello.token else None
+        answer = self._may_enter(hello, known, group)
+        if answer.why is None:
+            device = known if known is not None else Device(hall.phones.next, answer.ticket, group)
+            hall.phones.next += known is None
+            phone = hall.enter(
+                device, hello.region, group, self._browser(request), ws, request.transport, fresh=known is None
+            )
+            if phone is not None:
+                reading = Reading(hall, phone, request.protocol)
+                phone.gone = reading.gone
+                phone.transport.set_protocol(reading)
+                await self._welcome(phone, device)
+                return phone
+            answer = Answer(Why.FULL, HELLO_WITHIN)
+        assert answer.why is not None
+        hall.refused[answer.why] += 1
+        told = {"no": answer.why.name.lower(), "in": round(answer.wait, 2)}
+        await ws.send_str(json.dumps(told | ({"v": answer.voucher} if answer.voucher else {})))
+        return None
+
+    def _may_enter(self, hello: wire.Hello, known: Device | None, group: int) -> Answer:
+        """Whether somebody may come in, and when if not now."""
+        hall = self._hall
+        if known is not None:
+            return Answer() if known.number in hall.phones.by_number else hall.admission.known(group, hall.now())
+        answer = hall.admission.fresh(hello.key, hello.voucher, group, hall.now())
+        if answer.why is Why.ADDRESS:
+            hall.share(group)  # it may be a crowd now
+        return answer
+
+    async def _welcome(self, phone: Phone, device: Device) -> None:
+        hall, number = self._hall, phone.number
+        every = self._teller.every()
+        region = int(hall.voices.region[phone.row])
+        token = token_of(self._secret, device)
+        await phone.ws.send_str(json.dumps({"w": [token, number, hue_of(number), every, region]}))
+        for words in self._teller.present():
+            await phone.ws.send_str(words)
+
+    def sweep(self, connections: Sequence[Any]) -> None:
+        """Close those of the `connections` that ask for nothing, or too slowly, or are too many of one address."""
+        now, met, of_address = self._hall.now(), {}, Counter[str]()
+        for each in connections:
+            transport = each.transport
+            if transport is None or transport in self._upgraded:
+                continue
+            met[transport] = self._met.get(transport, now)
+            address = str((transport.get_extra_info("peername") or ("",))[0])
+            of_address[address] += 1
+            many = of_address[address] > self._of_address and not self._proxies.names(address_of(address))
+            if many or now - met[transport] > HELLO_WITHIN:
+                self._hall.refused[Why.ADDRESS if many else Why.SILENT] += 1
+                transport.abort()
+        self._met = met

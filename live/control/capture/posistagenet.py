@@ -1,0 +1,310 @@
+"""PosiStageNet 2: packets of a tracking system as places of trackers and their names.
+
+Little endian; a packet is one chunk, a chunk a header of 32 bits (16 of an identity, 15 of a length, 1 that says
+whether chunks are within) and its data. Of data packets the place of each tracker is read and whether it is valid, of
+info packets the names; chunks that are not known are passed over, as the protocol wants it. A packet whose chunks do
+not fit into each other is refused whole, a tracker whose numbers cannot be for itself alone; both are counted.
+
+Source: PosiStageNet protocol 2.03 (VYV, MA Lighting).
+
+PosiStageNet over UDP: where trackers are goes into the show's inbox, of each the newest place of a frame.
+"""
+
+import ipaddress
+import math
+import socket
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from live.base.event_queue import Lane
+from live.clock.ticks import TICK
+from live.clock.time_source import Clock
+from live.control.capture.udp_input import CaptureInput
+from live.control.events.capture import TrackerMoved
+from live.control.events.events import ControlEvent
+from live.control.osc.osc_socket import CannotListen, bound_socket
+from live.control.registry.rejections import Reason, Tally
+
+MAX_PACKET_BYTES: Final = 8192
+"""The protocol sends 1500 at most."""
+FARTHEST: Final = 1000.0
+"""No tracker is farther from the origin [m]."""
+NAME_LENGTH: Final = 64
+DATA: Final = 0x6755
+INFO: Final = 0x6756
+_HEADER: Final = 0
+_DATA_TRACKERS: Final = 1
+_INFO_TRACKERS: Final = 2
+_PLACE: Final = 0
+_STATUS: Final = 3
+_NAME: Final = 0
+_VERSION: Final = 2
+_CHUNK = struct.Struct("<I")
+_FRAME = struct.Struct("<Q4B")
+_VECTOR = struct.Struct("<3f")
+_FLOAT = struct.Struct("<f")
+
+Place = tuple[float, float, float]
+
+
+class PsnRefused(Exception):
+    """A packet that is refused as a whole, for `reason`."""
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+@dataclass(frozen=True, slots=True)
+class PsnPacket:
+    """What one packet says."""
+
+    time: int
+    """The server's time of the frame [µs]."""
+    frame: int
+    packets: int
+    """Packets that the frame has."""
+    places: dict[int, Place] = field(default_factory=dict)
+    """Where trackers are, by their numbers, in the system's axes [m]; only of those that are valid."""
+    names: dict[int, str] = field(default_factory=dict)
+    """What trackers are called."""
+    is_data: bool = True
+
+
+def read_psn(data: bytes, tally: Tally) -> PsnPacket | None:
+    """What a packet says; None, counted, if it is refused."""
+    try:
+        if not 0 < len(data) <= MAX_PACKET_BYTES:
+            raise PsnRefused(Reason.PACKET_SIZE)
+        (root,) = _chunks(data, 0, len(data), most=1)
+        if root[0] not in (DATA, INFO):
+            raise PsnRefused(Reason.UNKNOWN_TYPE)
+        return _packet(data, root, tally)
+    except PsnRefused as error:
+        tally.count(error.reason)
+    except ValueError:  # not exactly one chunk
+        tally.count(Reason.TRAILING)
+    return None
+
+
+Chunk = tuple[int, int, int, bool]
+"""Identity, where its data begins and ends, whether chunks are within."""
+
+
+def _chunks(data: bytes, start: int, stop: int, most: int = 512) -> Iterator[Chunk]:
+    """The chunks that fill data[start:stop]; PsnRefused where one does not fit."""
+    while start < stop:
+        if start + _CHUNK.size > stop or most <= 0:
+            raise PsnRefused(Reason.TRUNCATED if most > 0 else Reason.TRAILING)
+        (head,) = _CHUNK.unpack_from(data, start)
+        begin = start + _CHUNK.size
+        start, most = begin + ((head >> 16) & 0x7FFF), most - 1
+        if start > stop:
+            raise PsnRefused(Reason.ELEMENT_SIZE)
+        yield head & 0xFFFF, begin, start, bool(head >> 31)
+
+
+def _within(data: bytes, chunk: Chunk) -> Iterator[Chunk]:
+    """The chunks within one that must have some; PsnRefused if it is said to have none."""
+    if not chunk[3]:
+        raise PsnRefused(Reason.WRONG_TYPE)
+    return _chunks(data, chunk[1], chunk[2])
+
+
+def _packet(data: bytes, root: Chunk, tally: Tally) -> PsnPacket:
+    header: Chunk | None = None
+    places: dict[int, Place] = {}
+    names: dict[int, str] = {}
+    for chunk in _within(data, root):
+        if chunk[0] == _HEADER:
+            header = chunk
+        elif root[0] == DATA and chunk[0] == _DATA_TRACKERS:
+            for tracker in _within(data, chunk):
+                place = _place(data, tracker, tally)
+                if place is not None:
+                    places[tracker[0]] = place
+        elif root[0] == INFO and chunk[0] == _INFO_TRACKERS:
+            for tracker in _within(data, chunk):
+                name = _name(data, tracker, tally)
+                if name is not None:
+                    names[tracker[0]] = name
+    if header is None:
+        raise PsnRefused(Reason.MISSING)
+    if header[3] or header[2] - header[1] != _FRAME.size:
+        raise PsnRefused(Reason.WRONG_TYPE)
+    time, high, _, frame, packets = _FRAME.unpack_from(data, header[1])
+    if high != _VERSION:
+        raise PsnRefused(Reason.UNKNOWN_TYPE)
+    return PsnPacket(time, frame, packets, places, names, root[0] == DATA)
+
+
+def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
+    """Where a tracker is; None if it does not say, says that it does not know, or (counted) what cannot be."""
+    place: Place | None = None
+    valid = True
+    for identity, begin, end, nested in _within(data, tracker):
+        if identity == _PLACE:
+            if nested or end - begin != _VECTOR.size:
+                raise PsnRefused(Reason.WRONG_TYPE)
+            place = _VECTOR.unpack_from(data, begin)
+        elif identity == _STATUS:
+            if nested or end - begin != _FLOAT.size:
+                raise PsnRefused(Reason.WRONG_TYPE)
+            valid = _FLOAT.unpack_from(data, begin)[0] > 0.0
+    if place is None or not valid:
+        return None
+    if not math.isfinite(sum(place)):
+        tally.count(Reason.NOT_FINITE)
+        return None
+    if max(map(abs, place)) > FARTHEST:
+        tally.count(Reason.OUT_OF_RANGE)
+        return None
+    return place
+
+
+def _name(data: bytes, tracker: Chunk, tally: Tally) -> str | None:
+    """What a tracker is called; None if it is not said, or (counted) is no name."""
+    for identity, begin, end, nested in _within(data, tracker):
+        if identity != _NAME:
+            continue
+        if nested:
+            raise PsnRefused(Reason.WRONG_TYPE)
+        try:
+            name = data[begin:end].rstrip(b"\0").decode("utf-8").strip()
+        except UnicodeDecodeError:
+            tally.count(Reason.TEXT)
+            return None
+        if 0 < len(name) <= NAME_LENGTH and name.isprintable():
+            return name
+        tally.count(Reason.NAME)
+    return None
+
+
+GROUP: Final = "236.10.10.10"
+PORT: Final = 56565
+MOST_TRACKERS: Final = 128
+STILL: Final = 0.002
+"""A tracker that has moved less than this [m] is told again only after ..."""
+STILL_S: Final = 0.1
+"""... so many seconds, as a sign that it is there."""
+THIN: Final = 0.75 * TICK
+"""Places that come sooner after another [s] are left out: the show takes one a tick."""
+OLD_US: Final = 10_000_000
+"""A frame that is older than the last one by less than this [µs] comes late; by more, the server began anew."""
+
+
+class PsnFrames:
+    """Puts the packets of frames together. Thread: one."""
+
+    def __init__(self, tally: Tally) -> None:
+        self._tally = tally
+        self._places: dict[int, Place] = {}
+        self._frame, self._seen, self._time = -1, 0, -OLD_US
+        self.names: dict[int, str] = {}
+        """What trackers are called, by their numbers."""
+        self.frames = 0
+        """Frames so far."""
+
+    def take(self, packet: PsnPacket) -> dict[int, Place]:
+        """Take up a packet; returns the places of a frame that is whole now, or that another one has ended."""
+        if not packet.is_data:
+            for number, name in packet.names.items():
+                if number in self.names or len(self.names) < MOST_TRACKERS:
+                    self.names[number] = name
+            return {}
+        if 0 < self._time - packet.time < OLD_US:
+            self._tally.count(Reason.OUT_OF_RANGE)
+            return {}
+        ended: dict[int, Place] = {}
+        if (packet.frame, packet.time) != (self._frame, self._time):
+            ended, self._places = self._places, {}  # what is left of a frame that lost a packet
+            self._frame, self._time, self._seen = packet.frame, packet.time, 0
+        self._places |= packet.places
+        self._seen += 1
+        if self._seen >= packet.packets:
+            whole, self._places = self._places, {}
+            self.frames += 1
+            return {**ended, **whole}
+        return ended
+
+
+@dataclass(slots=True)
+class _Told:
+    place: Place = (0.0, 0.0, 0.0)
+    time: float = field(default=-1e9)
+
+
+class PsnInput(CaptureInput):
+    """Receives PosiStageNet at a port, of a multicast group or not, and puts trackers' places into `lane`."""
+
+    def __init__(self, host: str, port: int, interface: str, lane: Lane[ControlEvent], clock: Clock) -> None:
+        """Nothing is opened yet. `interface`: the address of the network card on which a group is joined; empty: the
+        one that the system chooses."""
+        super().__init__("psn", clock, MAX_PACKET_BYTES)
+        self._host, self._port, self._interface, self._lane = host, port, interface, lane
+        self._frames = PsnFrames(self.rejected)
+        self._told: dict[int, _Told] = {}
+
+    def open(self) -> list[socket.socket]:
+        """See `CaptureInput`."""
+        try:
+            group = ipaddress.ip_address(self._host).is_multicast
+        except ValueError:
+            group = False
+        if not group:
+            return [bound_socket(self._host, self._port, "--psn")]
+        return [_group_socket(self._host, self._port, self._interface)]
+
+    def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
+        """See `CaptureInput`."""
+        packet = read_psn(data, self.rejected)
+        if packet is None:
+            return
+        for number, place in self._frames.take(packet).items():
+            self._tell(number, place, now)
+
+    def _tell(self, number: int, place: Place, now: float) -> None:
+        """Where a tracker is, if that is news."""
+        told = self._told.get(number)
+        if told is None:
+            if len(self._told) >= MOST_TRACKERS:
+                self.rejected.count(Reason.MANY_MESSAGES)
+                return
+            told = self._told[number] = _Told()
+        if now - told.time < THIN:
+            return
+        if now - told.time < STILL_S and max(abs(a - b) for a, b in zip(place, told.place, strict=True)) < STILL:
+            return
+        told.place, told.time = place, now
+        name = self._frames.names.get(number, str(number))
+        x, y, z = (round(value, 4) for value in place)  # what the journal has is what the show sees
+        self._lane.put(TrackerMoved(time=now, source="psn", tracker=name, x=x, y=y, z=z))
+
+    def facts(self) -> dict[str, Any]:
+        """For the status."""
+        now = self.clock.now()
+        trackers = {
+            self._frames.names.get(number, str(number)): round(now - told.time, 2)
+            for number, told in tuple(self._told.items())
+        }
+        return {**super().facts(), "frames": self._frames.frames, "trackers_last_s_ago": trackers}
+
+
+def _group_socket(group: str, port: int, interface: str) -> socket.socket:
+    """A socket that hears a multicast group; CannotListen if that cannot be."""
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # others may hear the group, too
+        sock.setblocking(False)
+        sock.bind((group, port))
+        member = struct.pack("4s4s", socket.inet_aton(group), socket.inet_aton(interface or "0.0.0.0"))
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+    except OSError as error:
+        sock.close()
+        raise CannotListen(
+            f"PosiStageNet cannot be heard on {group}:{port}: {error.strerror or error}; is there a network? "
+            f"--psn {group}:{port}@ADDRESS names the card by its address"
+        ) from None
+    return sock

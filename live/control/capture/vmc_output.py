@@ -1,0 +1,135 @@
+"""VmcOut: the show's dancers as avatars of other programs, by the VMC protocol.
+
+Run as a module it is a process of its own (`Helper`), so that nothing that is sent costs a frame anything.
+
+A clip sent by the VMC protocol in real time, as a capture program would send somebody who dances it.
+"""
+
+import gc
+import itertools
+import select
+import socket
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.clock.time_source import SystemClock
+from live.control.capture.vmc_protocol import vmc_packets
+from live.control.helper_process import Told
+from live.motion.clip import Clip
+from live.motion.forward_kinematics import local_rotations
+from live.motion.skeleton import JOINT_COUNT
+
+FIGURES_EVERY: Final = 1.0
+MOST_AVATARS: Final = 16
+"""Dancers that one target may get, each at a port of her own."""
+ROW: Final = 3 + 4 * JOINT_COUNT
+"""Numbers that are told of a dancer: her hips [m], and the rotations of her joints in the world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Avatars:
+    """Whom a program is sent: the first dancer to its port, the second to the next, and so on."""
+
+    host: str
+    port: int
+    who: str = "1"
+    """Words as in `live.show.group.casting`."""
+    rate: float = 60.0
+    """Poses a second at most."""
+
+
+class VmcOut:
+    """Sends dancers to one host. Thread: one."""
+
+    def __init__(self, host: str, port: int) -> None:
+        """OSError for a host that is not known."""
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        self._socket = socket.socket(family, kind, protocol)
+        self._socket.setblocking(False)
+        self._address: tuple[Any, ...] = address
+        self.sent = self.failed = 0
+        """Datagrams that the system took, and those that it did not."""
+
+    def take(self, time: float, data: bytes) -> None:
+        """Send the dancers whose rows (n, ROW) of float32 these are, as they stand at `time` [s]."""
+        rows = np.frombuffer(data, np.float32).reshape(-1, ROW)[:MOST_AVATARS]
+        local = local_rotations(rows[:, 3:].reshape(-1, JOINT_COUNT, 4))
+        host, port, *more = self._address
+        for number, (row, rotation) in enumerate(zip(rows, local, strict=True)):
+            for datagram in vmc_packets(row[:3].astype(np.float64), rotation, time):
+                self._send(datagram, (host, port + number, *more))
+
+    def _send(self, datagram: bytes, address: Any) -> None:
+        try:
+            self._socket.sendto(datagram, address)
+            self.sent += 1
+        except (OSError, OverflowError):  # nobody there, no room, no such port
+            self.failed += 1
+
+    def close(self) -> None:
+        """Send nothing any more."""
+        self._socket.close()
+
+
+def dancers_as_told(
+    rows: npt.NDArray[np.integer], position: npt.NDArray[np.float32], rotation: npt.NDArray[np.float32]
+) -> bytes:
+    """What `VmcOut.take` reads of the dancers `rows` (n,), at `position` (A, J, 3) [m] and `rotation` (A, J, 4)."""
+    told = np.empty((len(rows), ROW), np.float32)
+    told[:, :3], told[:, 3:] = position[rows, 0], rotation[rows].reshape(len(rows), -1)
+    return told.tobytes()
+
+
+def main() -> None:
+    """Send until the show has gone."""
+    told = Told(int(sys.argv[1]))
+    gc.disable()
+    outs = [VmcOut(host, port) for host, port in told.plan["targets"]]
+    clock = SystemClock(told.plan["origin"])
+    say_at = clock.now() + FIGURES_EVERY
+    while not told.ended:
+        select.select([told.socket], [], [], FIGURES_EVERY)
+        newest = {packet[0]: packet for packet in told.packets()}  # of a heap that has waited the last ones alone
+        for index, moment, data in newest.values():
+            outs[index].take(moment, data)
+        if clock.now() >= say_at:
+            say_at = clock.now() + FIGURES_EVERY
+            gc.collect(0)
+            told.say({"datagrams": sum(out.sent for out in outs), "failed": sum(out.failed for out in outs)})
+
+
+def play_clip(
+    clip: Clip, endpoint: tuple[str, int], *, first: int = 0, seconds: float | None = None, loop: bool = False
+) -> int:
+    """Send the clip's samples from `first` on, each when it is due; returns how many were sent.
+
+    `seconds`: end after so long; `loop`: begin again at the end. OSError for a host that is not known.
+    """
+    family, kind, protocol, _, address = socket.getaddrinfo(*endpoint, type=socket.SOCK_DGRAM)[0]
+    began = time.perf_counter()
+    length = clip.sample_count - first
+    last = length if not loop else None
+    with socket.socket(family, kind, protocol) as sock:
+        for number in itertools.count():
+            due = number / clip.sample_rate
+            if (last is not None and number >= last) or (seconds is not None and due >= seconds):
+                return number
+            wait = began + due - time.perf_counter()
+            if wait > 0.0:
+                time.sleep(wait)
+            sample = first + number % length
+            for data in vmc_packets(clip.root_position[sample], clip.rotation[sample], due):
+                try:
+                    sock.sendto(data, address)
+                except ConnectionRefusedError:  # nobody listens yet
+                    continue
+    return 0
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,234 @@
+"""VMC (Virtual Motion Capture protocol): the packets of a performer's program as bones, by the protocol's own rules.
+
+OSC over UDP, in bundles or not: `/VMC/Ext/Bone/Pos name px py pz qx qy qz qw` with Unity's names of human bones, the
+place from the parent [m] and the local rotation; `/VMC/Ext/Root/Pos` likewise for where the body stands; `/VMC/Ext/OK`
+whether it is tracked; `/VMC/Ext/T` the sender's time [s]. What is unknown and what is too much is ignored, what is too
+little or of the wrong type is refused for itself alone, and counted. Unity's axes are left-handed: x is turned over.
+
+Work is linear in the packet's length; nothing here raises for anything a sender can choose.
+Source: sh-akira/VirtualMotionCaptureProtocol, performer to marionette.
+
+What is sent by the VMC protocol: a dancer as a performer's program sends her, in bundles that fit into a datagram.
+
+The engine's skeleton has the rest pose that the protocol's bones are counted from (a T-pose that faces forward), so its
+local rotations are sent as they are, in Unity's left-handed axes: x is turned over.
+"""
+
+import math
+import struct
+from collections.abc import Iterator
+from typing import Final, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from live.control.osc.osc_codec import MAX_BUNDLE_DEPTH, OscRejected, Value, bundles, decode, encode
+from live.control.registry.rejections import Reason, Tally
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+MAX_PACKET_BYTES: Final = 16384
+MAX_ELEMENTS: Final = 256
+FARTHEST: Final = 100.0
+"""No bone is farther from its parent [m]."""
+UNIT: Final = (0.81, 1.21)
+"""Squared lengths of what is taken for a unit quaternion."""
+NOTHING: Final = -1
+"""Bones that there are, but not in the engine's skeleton: eyes, jaw, fingers."""
+_FINGERS: Final = ("Thumb", "Index", "Middle", "Ring", "Little")
+_NOT_OURS: Final = (
+    "LeftEye", "RightEye", "Jaw", "LastBone",
+    *(
+        side + finger + part
+        for side in ("Left", "Right")
+        for finger in _FINGERS
+        for part in ("Proximal", "Intermediate", "Distal")
+    ),
+)  # fmt: skip
+BONES: Final[dict[str, int]] = {name.casefold(): index for index, name in enumerate(SKELETON.names)} | dict.fromkeys(
+    (name.casefold() for name in _NOT_OURS), NOTHING
+)
+"""Joint of the engine's skeleton by the bone's name in small letters."""
+
+Bone = tuple[float, float, float, float, float, float, float]
+"""Place from the parent x, y, z [m] and rotation w, x, y, z, in the engine's axes."""
+
+_BUNDLE: Final = b"#bundle\0"
+_SIZE: Final = struct.Struct(">i")
+_POSE: Final = struct.Struct(">7f")
+_BONE: Final = b"/VMC/Ext/Bone/Pos\0\0\0,sfffffff\0\0\0"
+
+
+def _padded(name: str) -> bytes:
+    return name.encode() + b"\0" * (4 - len(name) % 4)
+
+
+_BY_BYTES: Final = {
+    _padded(name[0].upper() + name[1:]): BONES[name.casefold()] for name in (*SKELETON.names, *_NOT_OURS)
+}
+
+
+class Listener(Protocol):
+    """Who is told what a packet says."""
+
+    def bone(self, joint: int, bone: Bone) -> None:
+        """Where a joint of the engine's skeleton is."""
+        ...
+
+    def root(self, bone: Bone) -> None:
+        """Where the body stands."""
+        ...
+
+    def tracked(self, on: bool) -> None:
+        """Whether what comes is meant."""
+        ...
+
+    def sent(self, time: float) -> None:
+        """The sender's time [s]."""
+        ...
+
+
+def read_packet(data: bytes, listener: Listener, tally: Tally) -> None:
+    """Tell `listener` what a packet says; what is refused is counted."""
+    if not 0 < len(data) <= MAX_PACKET_BYTES:
+        tally.count(Reason.PACKET_SIZE)
+        return
+    if len(data) & 3:
+        tally.count(Reason.ALIGNMENT)
+        return
+    count = 0
+    try:
+        for start, stop in _messages(data, 0, len(data), 0):
+            count += 1
+            if count > MAX_ELEMENTS:
+                raise OscRejected(Reason.MANY_MESSAGES)
+            if data.startswith(_BONE, start):
+                joint = _BY_BYTES.get(data[start + len(_BONE) : stop - _POSE.size])
+                if joint is not None:
+                    if joint != NOTHING:
+                        _tell_bone(joint, _POSE.unpack_from(data, stop - _POSE.size), listener, tally)
+                    continue
+            _tell_other(data[start:stop], listener, tally)
+    except OscRejected as error:
+        tally.count(error.reason)
+
+
+def _messages(data: bytes, start: int, stop: int, depth: int) -> Iterator[tuple[int, int]]:
+    """Where the messages of a packet begin and end; OscRejected where a bundle is broken."""
+    if data[start] != 0x23:  # "#"
+        yield start, stop
+        return
+    if depth >= MAX_BUNDLE_DEPTH:
+        raise OscRejected(Reason.DEPTH)
+    if stop - start < 16:
+        raise OscRejected(Reason.TRUNCATED)
+    if data[start : start + 8] != _BUNDLE:
+        raise OscRejected(Reason.ADDRESS)
+    place = start + 16
+    while place < stop:
+        (size,) = _SIZE.unpack_from(data, place)  # all lengths are multiples of 4: four bytes are there
+        place += 4
+        if size <= 0 or size & 3 or size > stop - place:
+            raise OscRejected(Reason.ELEMENT_SIZE)
+        yield from _messages(data, place, place + size, depth + 1)
+        place += size
+
+
+def _tell_bone(joint: int | None, values: tuple[float, ...], listener: Listener, tally: Tally) -> None:
+    """A bone, or the root (None), if its numbers can be."""
+    x, y, z, i, j, k, w = values
+    square = i * i + j * j + k * k + w * w
+    if not math.isfinite(x + y + z + square):
+        tally.count(Reason.NOT_FINITE)
+        return
+    if not UNIT[0] <= square <= UNIT[1] or max(abs(x), abs(y), abs(z)) > FARTHEST:
+        tally.count(Reason.OUT_OF_RANGE)
+        return
+    size = math.sqrt(square)
+    bone = (-x, y, z, w / size, i / size, -j / size, -k / size)
+    if joint is None:
+        listener.root(bone)
+    else:
+        listener.bone(joint, bone)
+
+
+def _tell_other(data: bytes, listener: Listener, tally: Tally) -> None:
+    """Any other message, or a bone written in an unusual way."""
+    try:
+        message = decode(data)[0]
+    except OscRejected as error:
+        tally.count(error.reason)
+        return
+    values = message.arguments
+    match message.address:
+        case "/VMC/Ext/Bone/Pos" | "/VMC/Ext/Root/Pos":
+            pose = _pose(values, tally)
+            if pose is None:
+                return
+            if message.address == "/VMC/Ext/Root/Pos":
+                _tell_bone(None, pose, listener, tally)
+                return
+            joint = BONES.get(str(values[0]).casefold())
+            if joint is None:
+                tally.count(Reason.NAME)
+            elif joint != NOTHING:
+                _tell_bone(joint, pose, listener, tally)
+        case "/VMC/Ext/OK":
+            _tell_state(values, listener, tally)
+        case "/VMC/Ext/T":
+            if not values:
+                tally.count(Reason.MISSING)
+            elif type(values[0]) is not float:
+                tally.count(Reason.WRONG_TYPE)
+            else:
+                listener.sent(values[0])
+        case address if not address.startswith("/VMC/"):
+            tally.count(Reason.UNKNOWN_ADDRESS)
+
+
+def _pose(values: tuple[Value, ...], tally: Tally) -> tuple[float, ...] | None:
+    """The seven numbers after a name; None, counted, if they are not there."""
+    if len(values) < 8:
+        tally.count(Reason.MISSING)
+        return None
+    pose = tuple(value for value in values[1:8] if type(value) is float)
+    if len(pose) < 7 or type(values[0]) is not str:
+        tally.count(Reason.WRONG_TYPE)
+        return None
+    return pose
+
+
+def _tell_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> None:
+    """`OK loaded [calibration mode [tracking]]`: not meant while nothing is loaded, it calibrates, or tracks badly."""
+    if not values:
+        tally.count(Reason.MISSING)
+    elif any(type(value) is not int for value in values[:4]):
+        tally.count(Reason.WRONG_TYPE)
+    else:
+        calibrates = len(values) > 1 and values[1] in (1, 2)
+        loses = len(values) > 3 and values[3] == 0
+        listener.tracked(values[0] == 1 and not calibrates and not loses)
+
+
+Float = npt.NDArray[np.floating]
+
+_UNITY: Final = np.array((-1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0))
+"""Signs of place x, y, z and rotation x, y, z, w."""
+_ROWS: Final = struct.Struct(">7f")
+_HEADS: Final = [
+    encode("/VMC/Ext/Bone/Pos", (name[0].upper() + name[1:], *[0.0] * 7))[: -_ROWS.size] for name in SKELETON.names
+]
+_STANDS: Final = (
+    encode("/VMC/Ext/OK", (1, 3, 0, 1)),
+    encode("/VMC/Ext/Root/Pos", ("root", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)),
+)
+_OFFSETS: Final = SKELETON.offsets.astype(np.float64)
+
+
+def vmc_packets(hips: Float, rotation: Float, time: float) -> Iterator[bytes]:
+    """Datagrams that say a pose: `hips` (3,) [m] and local rotations (J, 4) (w, x, y, z), at `time` [s]."""
+    rows = np.empty((JOINT_COUNT, 7))
+    rows[:, :3] = _OFFSETS
+    rows[0, :3] = hips
+    rows[:, 3:6], rows[:, 6] = rotation[:, 1:], rotation[:, 0]
+    bones = (head + _ROWS.pack(*row) for head, row in zip(_HEADS, (rows * _UNITY).tolist(), strict=True))
+    yield from bundles((*_STANDS, *bones, encode("/VMC/Ext/T", (float(time),))))

@@ -1,0 +1,164 @@
+"""MidiSong: a MIDI file as messages at their times, with the beat of its tempo map as MIDI clock.
+
+Read by mido, which knows running status of files; what it makes of a broken file is one PersonError. The file's beat is
+its quarter note, as MIDI clock has it.
+
+MidiSongPlayer: a song's messages through the same decoders and map as those of a port, by the show's time alone.
+
+It has no clock and no thread: at each tick it is asked for what the song does until then, so that the same song gives
+the same events at the same ticks, live, in a film, and at any frame rate.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import mido
+
+from live.base.errors import PersonError
+from live.base.event_queue import Inbox
+from live.clock.midi.midi_clock import CLOCK, PULSES_PER_BEAT, START, STOP, MidiClock
+from live.clock.note_energy import NoteEnergy
+from live.control.events.events import ControlEvent, SetMetre
+from live.control.midi.midi_binding import Binding
+from live.control.midi.midi_decoder import MidiDecoding
+from live.control.midi.midi_mapping import MidiMap
+
+MOST_BYTES: Final = 16_000_000
+MOST_MESSAGES: Final = 1_000_000
+LONGEST: Final = 24 * 3600.0
+"""Seconds of a song at most."""
+OPTION: Final = "--midi-file"
+
+
+@dataclass(frozen=True, slots=True)
+class MidiSong:
+    """A song: (time [s] since its beginning, bytes) in order, with start, a pulse at each 24th of a beat, and stop."""
+
+    name: str
+    messages: tuple[tuple[float, bytes], ...]
+    metres: tuple[tuple[float, int], ...]
+    """When [s] measures begin to have so many quarter notes."""
+    tempo: float
+    """At its beginning [bpm]."""
+    length: float
+    """Seconds until the end of its last beat."""
+
+
+class _Map:
+    """The tempo map: seconds of ticks that only grow."""
+
+    def __init__(self, ticks_per_beat: int, changes: list[tuple[int, int]]) -> None:
+        """`changes`: (tick, microseconds of a quarter note) in order."""
+        self._per_beat, self._changes = ticks_per_beat, changes
+        self._next, self._tick, self._time, self._quarter = 0, 0.0, 0.0, 500_000
+
+    def seconds(self, tick: float) -> float:
+        """When a tick falls [s]."""
+        while self._next < len(self._changes) and self._changes[self._next][0] <= tick:
+            at, quarter = self._changes[self._next]
+            self._time += (at - self._tick) * self._quarter / self._per_beat * 1e-6
+            self._tick, self._quarter, self._next = float(at), quarter, self._next + 1
+        return self._time + (tick - self._tick) * self._quarter / self._per_beat * 1e-6
+
+
+def read_song(path: Path) -> MidiSong:
+    """The song in a Standard MIDI File of format 0 or 1; PersonError if it is none, or far too long."""
+    try:
+        if path.stat().st_size > MOST_BYTES:
+            raise PersonError(f"{OPTION} {path}: larger than {MOST_BYTES // 1_000_000} MB")
+        file = mido.MidiFile(path, clip=True)
+        per_beat = int(file.ticks_per_beat)
+        if per_beat <= 0:
+            raise PersonError(f"{OPTION} {path}: counts in frames of time code", "export it in ticks of a quarter note")
+        if file.type == 2:
+            raise PersonError(f"{OPTION} {path}: holds several songs (format 2)", "export it as format 0 or 1")
+        track: list[Any] = mido.merge_tracks(file.tracks)
+    except OSError as error:
+        raise PersonError(f"{OPTION} {path}: {error.strerror or error or 'it ends too early'}") from None
+    except PersonError:
+        raise
+    except Exception as error:  # whatever a broken file makes of mido
+        raise PersonError(f"{OPTION} {path}: not a MIDI file that can be read: {type(error).__name__}") from None
+    return _song(path.name, track, per_beat, f"{OPTION} {path}")
+
+
+def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
+    if len(track) > MOST_MESSAGES:
+        raise PersonError(f"{where}: more than {MOST_MESSAGES} messages")
+    ticks, tick = [], 0
+    for message in track:
+        tick += message.time
+        ticks.append(tick)
+    changes = [(at, one.tempo) for at, one in zip(ticks, track, strict=True) if one.type == "set_tempo" and one.tempo]
+    last = max((at for at, one in zip(ticks, track, strict=True) if not one.is_meta), default=0)
+    beats = math.ceil(last / per_beat)
+    length = _Map(per_beat, changes).seconds(beats * per_beat)
+    if not 0.0 < length <= LONGEST or beats * PULSES_PER_BEAT > MOST_MESSAGES:
+        raise PersonError(f"{where}: {length:.0f} s long", "a song has notes, and lasts a day at most")
+    time_of = _Map(per_beat, changes)
+    played: list[tuple[float, bytes]] = []
+    metres = []
+    for at, one in zip(ticks, track, strict=True):
+        if one.type == "time_signature" and one.denominator == 4:
+            metres.append((time_of.seconds(at), int(one.numerator)))
+        elif not one.is_meta and not one.is_realtime and at <= last:
+            played.append((time_of.seconds(at), bytes(one.bytes())))
+    pulses = _Map(per_beat, changes)
+    clock = [(pulses.seconds(n * per_beat / PULSES_PER_BEAT), bytes((CLOCK,))) for n in range(beats * PULSES_PER_BEAT)]
+    stop = (length, bytes((STOP,)))
+    messages = sorted([(0.0, bytes((START,))), *clock, *played, stop], key=lambda row: row[0])  # stable: start, clock
+    first = next((quarter for at, quarter in changes if at == 0), 500_000)
+    return MidiSong(name, tuple(messages), tuple(metres), 60e6 / first, length)
+
+
+class MidiSongPlayer:
+    """Plays one song once, from the beginning of the show. Thread: the show's."""
+
+    def __init__(self, song: MidiSong, bindings: Sequence[Binding], *, beats_per_measure: int) -> None:
+        """`bindings`: what its notes and controllers work; pedals of the song are music, and work nothing else."""
+        self.song = song
+        self._inbox: Inbox[ControlEvent] = Inbox(capacity=1 << 20)
+        self._map = MidiMap(bindings)
+        self._notes = NoteEnergy(tempo=song.tempo)
+        self._decodes = MidiDecoding(
+            self._inbox,
+            midi_map=self._map,
+            notes=self._notes,
+            decoder=MidiClock(beats_per_measure=beats_per_measure, tempo=song.tempo),
+        )
+        self._next = self._metres = 0
+        self._time = 0.0
+
+    def take(self, bindings: Sequence[Binding]) -> None:
+        """Its notes work these from now on."""
+        self._map.take(bindings)
+
+    def due(self, until: float, *, tempo: float, beats_per_measure: int) -> list[ControlEvent]:
+        """What it does up to `until` [s of the show], which now has this tempo and metre."""
+        self._notes.tempo = tempo
+        self._decodes.beats_per_measure = beats_per_measure
+        song, found = self.song, list[ControlEvent]()
+        while self._metres < len(song.metres) and song.metres[self._metres][0] <= until:
+            time, beats = song.metres[self._metres]
+            self._metres += 1
+            if beats != beats_per_measure and 2 <= beats <= 12:
+                found.append(SetMetre(time=time, source="midi", beats=float(beats)))
+                beats_per_measure = self._decodes.beats_per_measure = beats
+        while self._next < len(song.messages) and song.messages[self._next][0] <= until:
+            time, message = song.messages[self._next]
+            self._next += 1
+            self._decodes.decode(message, time)
+        self._time = until
+        self._decodes.look(until)
+        return found + self._inbox.drain()
+
+    def facts(self) -> dict[str, Any]:
+        """For the status line."""
+        return {
+            "file": self.song.name,
+            "at_s": round(min(self._time, self.song.length), 2),
+            "length_s": round(self.song.length, 2),
+        }

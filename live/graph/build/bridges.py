@@ -1,0 +1,243 @@
+"""Bridges: a stretch of any recording that leads from one step to another where no edge does (T141, Fig 6.1).
+
+A bridge is as long as one measure or more, begins as the first step ends, and ends as the second begins. It is searched
+ahead of the show over everything that was recorded, at BASE_RATE: the clouds at the steps' ends are multiplied with the
+windows at every frame of a recording (K003), some thousand windows at a time. Where the step's cloud is centred, the
+recording's need not be, so its windows are plain stretches of memory.
+
+A bridge as a step clip, ready to be inserted into the graph (T141).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
+
+from live.graph.build.metric import FlatClouds, Metric
+from live.graph.build.transitions import clouds
+from live.graph.motion_graph import MotionGraph
+from live.graph.step_library import StepLibrary, window_samples
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
+from live.motion.step_clip import StepClip, measured_direction, measured_distance
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
+Complex64 = npt.NDArray[np.complex64]
+
+BASE_RATE: Final = 30.0
+"""Frames per second at which recordings are searched [Hz]."""
+_PRODUCTS: Final = 1 << 19
+"""Numbers in the largest array that is made while a recording is searched: 4 MB."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recorded:
+    """A recording as it is searched: T frames of J joints at BASE_RATE."""
+
+    clip: Clip
+    floor: Complex64
+    """x + iz [m], shape (T, J)."""
+    height: Float32
+    """y [m], shape (T, J)."""
+
+    @classmethod
+    def of(cls, clip: Clip) -> "Recorded":
+        """Pose a whole recording."""
+        count = int(clip.seconds * BASE_RATE + 1e-9) + 1
+        pipeline = PosePipeline(count)
+        pipeline.sample[0] = np.minimum(np.arange(count) * (clip.sample_rate / BASE_RATE), clip.sample_count - 1.0)
+        rotation = quaternion.continuous(clip.rotation).astype(np.float32)
+        position, _ = pipeline.run(ClipStore.of(clip.root_position, rotation))
+        floor = (position[..., 0] + 1j * position[..., 2]).astype(np.complex64)
+        return cls(clip, floor, np.ascontiguousarray(position[..., 1]))
+
+
+@dataclass(frozen=True, slots=True)
+class Bridge:
+    """A stretch of a recording that may be danced between two steps."""
+
+    recording: int
+    """Which of the recordings."""
+    start: float
+    """When it begins in the recording [s]."""
+    stop: float
+    """When it ends [s]; how it is stretched to whole measures follows from that."""
+    source: int
+    """The node after which it is danced."""
+    target: int
+    """The node before which it is danced."""
+    begin_cost: float
+    """Distance [m] from the end of `source` to its beginning."""
+    end_cost: float
+    """Distance [m] from its end to the beginning of `target`."""
+
+    @property
+    def cost(self) -> float:
+        """The worse of the two joins [m]: below the threshold of the graph, both can be danced."""
+        return max(self.begin_cost, self.end_cost)
+
+
+def find_bridges(
+    graph: MotionGraph,
+    recordings: Sequence[Recorded],
+    source: int,
+    target: int,
+    *,
+    measure_s: float,
+    measures: int = 1,
+    stretch: float = 0.15,
+    most: int = 5,
+) -> list[Bridge]:
+    """The `most` best bridges of `measures` from step `source` to step `target`, the best first, none over another.
+
+    `measure_s` is how long a measure of the show lasts [s]; a stretch of a recording that is shorter or longer by up
+    to the share `stretch` is danced quicker or slower. ValueError for lengths that are not positive or a stretch
+    outside [0, 0.5].
+    """
+    if measure_s <= 0.0 or measures < 1 or not 0.0 <= stretch <= 0.5:
+        raise ValueError(f"bridges of {measures} measures of {measure_s} s, stretched by {stretch}: see the limits")
+    library = graph.library
+    frames = max(2, round(graph.window * measure_s * BASE_RATE) + 1)
+    ends = np.flatnonzero((library.node_step == source) & (library.node_measure == library.node_measures - 1))
+    begins = np.flatnonzero((library.node_step == target) & (library.node_measure == 0))
+    metric = _metric(graph.rule.metric, frames)
+    after = _windows(library, ends, library.node_last, graph.window, metric)
+    before = _windows(library, begins, library.node_first, graph.window, metric)
+    length = measures * measure_s * BASE_RATE
+    lengths = np.arange(np.ceil(length * (1.0 - stretch)), np.floor(length * (1.0 + stretch)) + 1).astype(np.int64)
+    if not len(lengths):
+        lengths = np.array([round(length)])
+    found: list[Bridge] = []
+    for number, recorded in enumerate(recordings):
+        if len(recorded.floor) < frames + lengths[0]:
+            continue
+        (leave, out), (enter, into) = (_nearest(recorded, windows, metric) for windows in (after, before))
+        for frame, size in _best(leave, enter, lengths, most):
+            line = frame + frames - 1  # the window before the measure line ends on it
+            found.append(
+                Bridge(
+                    number, line / BASE_RATE, (line + size) / BASE_RATE, int(ends[out[frame]]),
+                    int(begins[into[frame + size]]), float(leave[frame]), float(enter[frame + size]),
+                )
+            )  # fmt: skip
+    return sorted(found, key=lambda bridge: bridge.cost)[:most]
+
+
+def _metric(metric: Metric, frames: int) -> Metric:
+    """The same weights for windows of another number of poses."""
+    own = np.linspace(0.0, 1.0, len(metric.window))
+    weights = np.interp(np.linspace(0.0, 1.0, frames), own, metric.window)
+    return Metric(metric.joint, np.asarray(weights / weights.sum()))
+
+
+def _windows(library: StepLibrary, nodes: Int64, line: Float64, window: float, metric: Metric) -> FlatClouds:
+    """Clouds of the `window` before the samples `line` (N,) of some nodes."""
+    length = (library.node_last[nodes] - library.node_first[nodes]) * window
+    samples = window_samples(line[nodes] - length, line[nodes], len(metric.window))
+    return FlatClouds.of(clouds(library, np.maximum(samples, library.node_lead[nodes, None])), metric)
+
+
+def _nearest(recorded: Recorded, windows: FlatClouds, metric: Metric) -> tuple[Float64, Int64]:
+    """For every window of a recording, by its first frame, the distance [m] of the nearest cloud, and which it is."""
+    count = len(recorded.floor) - len(metric.window) + 1
+    size = _sizes(recorded, metric)
+    # √w is in the cloud once; the other √w belongs to the recording
+    root = np.sqrt(metric.points)
+    floor, height = (windows.floor.conj() * root).astype(np.complex64), (windows.height * root).astype(np.float32)
+    nearest, which = np.empty(count), np.empty(count, np.int64)
+    rows = max(1, _PRODUCTS // max(len(windows), floor.shape[1]))
+    for begin in range(0, count, rows):
+        part = slice(begin, min(begin + rows, count))
+        product = _stretches(recorded.floor, part, len(metric.window)) @ floor.T
+        level = _stretches(recorded.height, part, len(metric.window)) @ height.T
+        squared = windows.size - 2.0 * (np.sqrt(product.real**2 + product.imag**2) + level)
+        which[part] = squared.argmin(axis=1)
+        nearest[part] = squared.min(axis=1) + size[part]
+    return np.sqrt(np.maximum(nearest, 0.0)), which
+
+
+def _stretches(track: npt.NDArray[Any], part: slice, frames: int) -> npt.NDArray[Any]:
+    """The windows of `frames` that begin at the frames `part` of a track (T, J), one a row, (windows, frames · J)."""
+    joints = track.shape[1]
+    flat = track[part.start : part.stop + frames - 1].reshape(-1)
+    return sliding_window_view(flat, frames * joints)[::joints]
+
+
+def _sizes(recorded: Recorded, metric: Metric) -> Float64:
+    """|b|² + |y_b|² [m²] of the centred cloud of every window of a recording."""
+    floor, height = recorded.floor.astype(np.complex128), recorded.height.astype(np.float64)
+    squares = (np.abs(floor) ** 2 + height**2) @ metric.joint
+    centres = floor @ metric.joint
+    window = metric.window[::-1]  # np.convolve turns it over
+    centre = np.convolve(centres, window, "valid")
+    return np.asarray(np.convolve(squares, window, "valid") - np.abs(centre) ** 2)
+
+
+def _best(leave: Float64, enter: Float64, lengths: Int64, most: int) -> list[tuple[int, int]]:
+    """First frames and lengths of the best stretches, none of which begins within half a length of a better one."""
+    count = len(leave)
+    cost, size = np.full(count, np.inf), np.zeros(count, np.int64)
+    for length in lengths[lengths < count]:
+        both = np.maximum(leave[: count - length], enter[length:])
+        better = both < cost[: count - length]
+        cost[: count - length][better], size[: count - length][better] = both[better], length
+    found: list[tuple[int, int]] = []
+    apart = max(1, int(lengths[0]) // 2)
+    while len(found) < most:
+        frame = int(cost.argmin())
+        if not np.isfinite(cost[frame]):
+            break
+        found.append((frame, int(size[frame])))
+        cost[max(0, frame - apart) : frame + apart + 1] = np.inf
+    return found
+
+
+def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measures: int = 1) -> StepClip:
+    """The stretch of `recording` that `bridge` names, as a step called "A to B", with up to a measure of lead-in.
+
+    It begins in the pose in which the first step ends and ends in that in which the second begins, where those have
+    names (T136). At its beginning the hips stand at x = z = 0 and face +z.
+    """
+    before, after = (library.clips[library.node_clip[node]] for node in (bridge.source, bridge.target))
+    rate = recording.sample_rate
+    size = (bridge.stop - bridge.start) * rate / measures
+    start = bridge.start * rate
+    begin = max(0, math.floor(start - size))
+    end = min(recording.sample_count, math.ceil(bridge.stop * rate) + 9)
+    name = f"{before.step} to {after.step}"
+    step = StepClip(
+        step=name,
+        clip=_placed(recording, begin, end, round(start), f"{name}, {recording.name} from {bridge.start:.2f} s"),
+        first=start - begin,
+        samples_per_measure=size,
+        measures=measures,
+        beats_per_measure=library.beats_per_measure,
+        bpm=60.0 * library.beats_per_measure * rate / size,
+        begin_pose=before.end_pose,
+        end_pose=after.begin_pose,
+        tags=("bridge",),
+    )
+    return replace(step, direction=measured_direction(step), distance_m=measured_distance(step))
+
+
+def _placed(clip: Clip, begin: int, end: int, at: int, name: str) -> Clip:
+    """Samples `begin` to `end` (exclusive), moved and turned so that at sample `at` the hips stand at 0 and face +z."""
+    x, _, z = quaternion.rotate(clip.rotation[at, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
+    turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(-math.atan2(x, z)))
+    rotation = clip.rotation[begin:end].astype(np.float64)
+    rotation[:, 0] = quaternion.mul(turn, rotation[:, 0])
+    root = quaternion.rotate(turn, clip.root_position[begin:end] - clip.root_position[at] * (1.0, 0.0, 1.0))
+    return Clip(
+        name,
+        np.ascontiguousarray(root, np.float32),
+        np.ascontiguousarray(rotation, np.float32),
+        clip.sample_rate,
+        clip.contact[begin:end],
+    )

@@ -1,0 +1,160 @@
+"""Metric: what counts how much when two point clouds are compared, per joint and along the window (T032, K002).
+
+FlatClouds: point clouds as K003 wants them, centred, weighted, floor coordinates as complex numbers.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.skeleton import SKELETON
+
+Float64 = npt.NDArray[np.float64]
+
+WINDOW_SAMPLES: Final = 12
+"""Poses in a window; the cloud has 12 · J points."""
+EMPHASIS: Final = 0.5
+"""How much more the pose at the measure line counts than the middle of the window, and the first one less."""
+_ENDINGS: Final = (("Hand", 0.4), ("LowerArm", 0.7), ("Foot", 2.0), ("Toes", 1.5), ("hips", 2.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Metric:
+    """Weights of a cloud of K poses of J joints; the weight of a point is the product, and all together are 1."""
+
+    joint: Float64
+    """Weight of each joint, sum 1, shape (J,)."""
+    window: Float64
+    """Weight of each pose along the window, sum 1, shape (K,)."""
+
+    @classmethod
+    def of(cls, joints: Mapping[str, float] | None = None, emphasis: float = EMPHASIS) -> "Metric":
+        """The default, with other weights for some `joints` by name, and another `emphasis` of the measure line."""
+        return cls(joint_weights(joints), window_weights(emphasis=emphasis))
+
+    @property
+    def points(self) -> Float64:
+        """Weight of every point of a cloud, shape (K · J,)."""
+        return np.outer(self.window, self.joint).reshape(-1)
+
+
+def joint_weights(changes: Mapping[str, float] | None = None) -> Float64:
+    """Weight of each joint in the cloud, sum 1, shape (J,): feet carry, hips lead, hands may differ.
+
+    `changes` sets the weights of single joints by name, 1 for most, beside 2 for hips and feet and 0.4 for hands.
+    ValueError for a name that no joint has, a weight that is negative or not finite, or if nothing is left to compare.
+    """
+    weights = np.ones(SKELETON.joint_count)
+    for ending, weight in _ENDINGS:
+        for joint, name in enumerate(SKELETON.names):
+            if name.endswith(ending):
+                weights[joint] = weight
+    for name, weight in (changes or {}).items():
+        if name not in SKELETON.names:
+            raise ValueError(f"weight of {name!r}: no such joint; there are {', '.join(SKELETON.names)}")
+        if not 0.0 <= weight < np.inf:
+            raise ValueError(f"weight of {name!r} is {weight}; a number from 0 expected")
+        weights[SKELETON.index(name)] = weight
+    if weights.sum() <= 0.0:
+        raise ValueError("all joints have weight 0: nothing is left to compare")
+    return np.asarray(weights / weights.sum(), np.float64)
+
+
+def window_weights(count: int = WINDOW_SAMPLES, emphasis: float = EMPHASIS) -> Float64:
+    """Weight along the window, sum 1, shape (count,): larger towards the measure line, where the blend ends.
+
+    It grows linearly from 1 - `emphasis` to 1 + `emphasis`; ValueError outside [0, 1].
+    """
+    if not 0.0 <= emphasis <= 1.0:
+        raise ValueError(f"emphasis of the measure line {emphasis}: 0 to 1 expected")
+    weights = np.linspace(1.0 - emphasis, 1.0 + emphasis, count)
+    return np.asarray(weights / weights.sum(), np.float64)
+
+
+Float32 = npt.NDArray[np.float32]
+Complex = npt.NDArray[np.complex128]
+Complex64 = npt.NDArray[np.complex64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlatClouds:
+    """N clouds of P points."""
+
+    floor: Complex
+    """√w (x + iz), centred, shape (N, P)."""
+    height: Float64
+    """√w y, shape (N, P)."""
+    centre: Complex
+    """Weighted mean of x + iz [m], shape (N,)."""
+    size: Float64
+    """|floor|² + |height|² [m²], shape (N,)."""
+    coarse_floor: Complex64
+    """The floor coordinates as parabolas in time: their projection on three basis functions, shape (N, 3 · J).
+
+    A projection makes no distance longer, whatever the rotation, so pairs that are far apart here are far apart.
+    """
+    coarse_height: Float32
+    """The heights likewise, shape (N, 3 · J)."""
+    coarse_size: Float32
+    """|coarse_floor|² + |coarse_height|² [m²], shape (N,)."""
+
+    @classmethod
+    def of(cls, clouds: Float64, metric: Metric) -> "FlatClouds":
+        """From world positions (N, K, J, 3) [m]; ValueError if the metric is for clouds of another shape."""
+        if clouds.shape[1:] != (len(metric.window), len(metric.joint), 3):
+            expected = f"(N, {len(metric.window)}, {len(metric.joint)}, 3)"
+            raise ValueError(f"clouds of shape {clouds.shape}; {expected} expected")
+        weights = metric.points
+        root = np.sqrt(weights)
+        points = clouds.reshape(len(clouds), -1, 3)
+        floor: Complex = np.empty(points.shape[:2], np.complex128)
+        floor.real, floor.imag = points[..., 0], points[..., 2]
+        centre: Complex = floor @ weights.astype(np.complex128)
+        floor -= centre[:, None]
+        floor *= root
+        height = np.ascontiguousarray(points[..., 1] * root, np.float64)
+        return cls._of(floor, height, centre, _parabolas(metric))
+
+    @classmethod
+    def _of(cls, floor: Complex, height: Float64, centre: Complex, basis: Float64) -> "FlatClouds":
+        size = sum(np.einsum("np,np->n", part, part) for part in (floor.real, floor.imag, height))
+        shape = (len(floor), len(basis), -1)
+        coarse = (np.einsum("kc,nkj->ncj", basis, part.reshape(shape), optimize=True) for part in (floor, height))
+        coarse_floor, coarse_height = (part.reshape(len(floor), -1) for part in coarse)
+        parts = (coarse_floor.real, coarse_floor.imag, coarse_height)
+        return cls(
+            floor,
+            height,
+            centre,
+            np.asarray(size),
+            coarse_floor.astype(np.complex64),
+            coarse_height.astype(np.float32),
+            np.asarray(sum(np.einsum("np,np->n", part, part) for part in parts), np.float32),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence["FlatClouds"]) -> "FlatClouds":
+        """The clouds of all parts, one after another."""
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
+
+    def chosen(self, index: npt.NDArray[np.int64]) -> "FlatClouds":
+        """The clouds `index` (M,), in order; views where they follow each other."""
+        if len(index) and index[-1] - index[0] == len(index) - 1:
+            part: Any = slice(int(index[0]), int(index[-1]) + 1)
+        else:
+            part = index
+        return FlatClouds(*(getattr(self, name)[part] for name in FlatClouds.__slots__))
+
+    def __len__(self) -> int:
+        return len(self.size)
+
+
+def _parabolas(metric: Metric) -> Float64:
+    """Orthonormal functions of the K samples of a window that span √weight · (1, t, t²), shape (K, 3 or fewer)."""
+    count = len(metric.window)
+    t = np.linspace(-1.0, 1.0, count)[:, None]
+    powers = np.sqrt(metric.window)[:, None] * t ** np.arange(min(3, count))
+    return np.asarray(np.linalg.qr(powers)[0])

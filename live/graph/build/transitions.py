@@ -1,0 +1,298 @@
+"""Joins: every pair of measures that may be danced one after the other, before dead ends are pruned (T031-T036).
+
+Transitions: how well the end of one measure passes into the start of another (T032-T034, K001-K003).
+
+The similarity is that of two point clouds of the skeleton over a window, after the rigid 2D motion of the second that
+brings it nearest to the first. All pairs at once are one complex matrix product (K003): with the floor coordinates of a
+centred cloud as complex numbers a = √w (x + iz), the best rotation is the argument of aᴴb and
+
+D = |a|² + |b|² + |y_a|² + |y_b|² - 2 |aᴴb| - 2 y_a·y_b .
+
+Transitions in an interval around the measure line, the measure re-timed to it (T140).
+
+Where a dancer lands a little before or after the beat, the best place to leave a step is not exactly at its last
+sample. Every measure that ends a step may end up to a share of a measure earlier or later, and every one that begins a
+step may begin so; what lies between is danced quicker or slower, so the dance keeps to the metre. A node has one end
+and one beginning for all its edges, because most of a measure is danced before it is decided what comes next.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.build.blend_feasibility import blendable
+from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
+from live.graph.build.nearest_pairs import aligned, near_pairs
+from live.graph.step_library import StepLibrary, travel_of, window_samples
+from live.graph.transition_rules import StructureCodes, may_follow_between, structure_codes
+from live.motion.pose.pose_pipeline import PosePipeline
+from live.motion.skeleton import SKELETON
+
+Float64 = npt.NDArray[np.float64]
+
+__all__ = [
+    "WINDOW_SAMPLES",
+    "Transitions",
+    "all_pairs",
+    "clouds",
+    "joint_weights",
+    "transition_windows",
+    "window_weights",
+]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transitions:
+    """For every ordered pair of nodes (u, v): from the end of u to the start of v (N nodes)."""
+
+    distance: Float64
+    """Root of the weighted mean squared distance of the aligned clouds [m], shape (N, N)."""
+    yaw: Float64
+    """Rotation that brings v's axes into u's [rad], shape (N, N)."""
+    shift: Float64
+    """Translation that follows it (x, z) [m], shape (N, N, 2)."""
+
+
+def clouds(library: StepLibrary, samples: Float64) -> Float64:
+    """World positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
+    flat = np.ascontiguousarray(samples.reshape(-1))
+    pipeline = PosePipeline(len(flat))
+    pipeline.sample[0] = flat
+    position, _ = pipeline.run(library.store)
+    return np.asarray(position.reshape(*samples.shape, SKELETON.joint_count, 3), np.float64)
+
+
+def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
+    """Clouds of the last and of the lead-in `window` (a share of the measure) of every node: two (N, K, J, 3)."""
+    length = (library.node_last - library.node_first) * window
+    end = window_samples(library.node_last - length, library.node_last, WINDOW_SAMPLES)
+    start = window_samples(library.node_first - length, library.node_first, WINDOW_SAMPLES)
+    start = np.maximum(start, library.node_lead[:, None])
+    return clouds(library, end), clouds(library, start)
+
+
+def all_pairs(first: Float64, second: Float64, metric: Metric | None = None) -> Transitions:
+    """K003 for all pairs of clouds `first` (N, K, J, 3) and `second` (M, K, J, 3), in one matrix product.
+
+    Holds some ten arrays of (N, M): for the pairs within a threshold in libraries of any size see `near_pairs`.
+    """
+    metric = Metric.of() if metric is None else metric
+    a, b = FlatClouds.of(first, metric), FlatClouds.of(second, metric)
+    product = a.floor.conj() @ b.floor.T
+    squared = a.size[:, None] + b.size[None] - 2.0 * np.abs(product) - 2.0 * (a.height @ b.height.T)
+    motion = aligned(product, a.centre[:, None], b.centre[None])
+    return Transitions(np.sqrt(np.maximum(squared, 0.0)), motion[..., 2], motion[..., :2])
+
+
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
+
+_NODES: Final = 1024
+"""Nodes whose clouds are posed at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class JoinRule:
+    """What makes a join, and an edge of it."""
+
+    window: float = 0.1875
+    """Length of a transition as a share of the measure (T036)."""
+    threshold: float = 0.16
+    """Largest distance of the aligned clouds [m] (T034)."""
+    metric: Metric = field(default_factory=Metric.of)
+    prune: bool = True
+    """Whether dead ends are left out of the graph (T037); the joins hold them anyway."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joins:
+    """E ordered pairs of nodes, sorted by source, then target."""
+
+    source: Int32
+    target: Int32
+    cost: Float64
+    """Distance of the aligned clouds [m], shape (E,); 0 within a step."""
+    transform: Float64
+    """x, z [m], yaw [rad] that place the target's clip in the axes of the source's (K001), shape (E, 3)."""
+
+    def among(self, alive: Bool) -> "Joins":
+        """Those between nodes that are `alive` (N,)."""
+        if alive.all():
+            return self
+        return self.chosen(alive[self.source] & alive[self.target])
+
+    def chosen(self, kept: Bool) -> "Joins":
+        """Those that are `kept` (E,)."""
+        return Joins(self.source[kept], self.target[kept], self.cost[kept], self.transform[kept])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Boundaries:
+    """The clouds at both ends of N nodes, kept so that what comes later can be compared with them."""
+
+    ends: FlatClouds
+    """Of the last `window` of each measure."""
+    starts: FlatClouds
+    """Of the `window` before each measure."""
+
+    @classmethod
+    def of(cls, library: StepLibrary, rule: JoinRule) -> "Boundaries":
+        """Of all nodes of a library."""
+        return cls(window_clouds(library, library.node_last, rule), window_clouds(library, library.node_first, rule))
+
+    def joined(self, other: "Boundaries") -> "Boundaries":
+        """Of this one's nodes, then the other's."""
+        return Boundaries(FlatClouds.joined([self.ends, other.ends]), FlatClouds.joined([self.starts, other.starts]))
+
+
+def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> Joins:
+    """All joins of a library; within a step of several measures each one leads to the next alone (T039)."""
+    everything = np.arange(library.node_count)
+    codes = structure_codes(library)
+    inner = _inner(library, everything)
+    return _merged(_between(library, boundaries, codes, rule, everything, everything), inner, library.node_count)
+
+
+def joins_with(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinRule) -> Joins:
+    """The joins of a library whose first `old` nodes have `joins`: as `find_joins` finds them.
+
+    Only pairs that hold a new node are compared: the metric is asked 2N times for each new one, not N² times in all.
+    """
+    before, new = np.arange(old), np.arange(old, library.node_count)
+    codes = structure_codes(library)
+    more = _inner(library, new)
+    for first, second in ((before, new), (new, np.arange(library.node_count))):
+        more = _merged(more, _between(library, boundaries, codes, rule, first, second), library.node_count)
+    return _merged(joins, more, library.node_count)
+
+
+def _inner(library: StepLibrary, nodes: Int64) -> Joins:
+    """The measures of one clip are neighbours in the library."""
+    source = nodes[library.node_measure[nodes] < library.node_measures[nodes] - 1].astype(np.int32)
+    count = len(source)
+    return Joins(source, source + np.int32(1), np.zeros(count), np.zeros((count, 3)))
+
+
+def _between(
+    library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinRule, first: Int64, second: Int64
+) -> Joins:
+    """Joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
+    leaves = first[library.node_measure[first] == library.node_measures[first] - 1]
+    enters = second[library.node_measure[second] == 0]
+    pairs = near_pairs(
+        boundaries.ends.chosen(leaves),
+        boundaries.starts.chosen(enters),
+        rule.threshold,
+        (codes.leaving[leaves], codes.entering[enters]),
+    )
+    source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
+    good = blendable(library, rule.window, source, target, pairs.motion[:, 2])
+    return Joins(source[good], target[good], pairs.distance[good], pairs.motion[good])
+
+
+def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
+    """Clouds of the window before the samples `line` (N,), some nodes at a time."""
+    parts = []
+    for begin in range(0, library.node_count, _NODES):
+        own = slice(begin, begin + _NODES)
+        length = (library.node_last[own] - library.node_first[own]) * rule.window
+        samples = window_samples(line[own] - length, line[own], len(rule.metric.window))
+        samples = np.maximum(samples, library.node_lead[own, None])
+        parts.append(FlatClouds.of(clouds(library, samples), rule.metric))
+    return parts[0] if len(parts) == 1 else FlatClouds.joined(parts)
+
+
+def _merged(many: Joins, few: Joins, nodes: int) -> Joins:
+    """Both, sorted; `nodes` is how many there are in all."""
+    if not len(few.source):
+        return many
+    key, more = (joins.source.astype(np.int64) * nodes + joins.target for joins in (many, few))
+    order = np.argsort(more)
+    place = np.searchsorted(key, more[order])
+    arrays = ((getattr(many, name), getattr(few, name)[order]) for name in Joins.__slots__)
+    return Joins(*(np.insert(old, place, new, axis=0) for old, new in arrays))
+
+
+OFFSETS: Final = 5
+"""Places that are tried on each side, the measure line among them."""
+SWEEPS: Final = 2
+_BLOCK: Final = 256
+
+
+def retimed(library: StepLibrary, rule: JoinRule, interval: float) -> StepLibrary:
+    """The library with the ends and beginnings of its steps moved by up to `interval` (a share of the measure).
+
+    Each end in turn goes where it is nearest to the beginnings as they are by then, and each beginning likewise: what
+    counts is the sum over all pairs of exp(-(distance / threshold)²), which never falls. Lines inside steps of several
+    measures stay, and so does every line where moving it gains nothing. ValueError for an interval outside [0, 0.25].
+    """
+    if not 0.0 <= interval <= 0.25:
+        raise ValueError(f"interval around the measure line {interval}: a share of the measure from 0 to 0.25 expected")
+    if interval == 0.0:
+        return library
+    shares = np.array(sorted(np.linspace(-interval, interval, OFFSETS), key=abs))  # the line itself wins a draw
+    leaves = np.flatnonzero(library.node_measure == library.node_measures - 1)
+    enters = np.flatnonzero(library.node_measure == 0)
+    ends, begins = (_clouds(library, nodes, line, rule, shares) for nodes, line in (
+        (leaves, library.node_last), (enters, library.node_first)))  # fmt: skip
+    out, into = np.zeros(len(leaves), np.int64), np.zeros(len(enters), np.int64)
+    allowed = _Allowed(library, leaves, enters)
+    for _ in range(SWEEPS):
+        out = _gains(ends, _picked(begins, into), rule.threshold, allowed, turned=False).argmax(axis=0)
+        into = _gains(begins, _picked(ends, out), rule.threshold, allowed, turned=True).argmax(axis=0)
+    first, last = library.node_first.copy(), library.node_last.copy()
+    last[leaves] = _moved(library, leaves, library.node_last, shares[out])
+    first[enters] = _moved(library, enters, library.node_first, shares[into])
+    return replace(library, node_first=first, node_last=last, node_travel=travel_of(library.clip_root, first, last))
+
+
+class _Allowed:
+    """Which of the first nodes the second may follow, in blocks."""
+
+    def __init__(self, library: StepLibrary, first: Int64, second: Int64) -> None:
+        self._library, self._first, self._second = library, first, second
+
+    def block(self, part: slice, turned: bool) -> npt.NDArray[np.bool_]:
+        """Rows `part` of the table, or, `turned`, of its transpose."""
+        if turned:
+            return may_follow_between(self._library, self._first, self._second[part]).T
+        return may_follow_between(self._library, self._first[part], self._second)
+
+
+def _moved(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) -> Float64:
+    """The samples `line` of some nodes, moved by a share of the measure, within their clips."""
+    ends = np.array([library.clips[clip].clip.sample_count - 1.0 for clip in library.node_clip[nodes]])
+    size = library.node_last[nodes] - library.node_first[nodes]
+    low = library.node_lead[nodes]
+    return np.asarray(np.clip(line[nodes] + share * size, low, low + ends))
+
+
+def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinRule, shares: Float64) -> list[FlatClouds]:
+    """Clouds of the windows before the lines of some nodes, for every share by which they may be moved."""
+    found = []
+    for share in shares:
+        moved = line.copy()
+        moved[nodes] = _moved(library, nodes, line, np.full(len(nodes), share))
+        found.append(window_clouds(library, moved, rule).chosen(nodes))
+    return found
+
+
+def _picked(clouds: list[FlatClouds], choice: Int64) -> FlatClouds:
+    """For every node the cloud of its chosen offset."""
+    return FlatClouds.joined([clouds[number].chosen(np.array([n])) for n, number in enumerate(choice)])
+
+
+def _gains(own: list[FlatClouds], other: FlatClouds, threshold: float, allowed: _Allowed, turned: bool) -> Float64:
+    """How near each node is to all others with each offset, (OFFSETS, N)."""
+    gains = np.zeros((len(own), len(own[0])))
+    for number, flat in enumerate(own):
+        for begin in range(0, len(flat), _BLOCK):
+            part = slice(begin, min(begin + _BLOCK, len(flat)))
+            product = np.abs(flat.floor[part].conj() @ other.floor.T) + flat.height[part] @ other.height.T
+            squared = flat.size[part, None] + other.size - 2.0 * product
+            nearness = np.exp(-np.maximum(squared, 0.0) / threshold**2) * allowed.block(part, turned)
+            gains[number, part] = nearness.sum(axis=1)
+    return gains

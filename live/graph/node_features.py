@@ -1,0 +1,266 @@
+"""NodeFacts: what is measured of every measure of a library: where it begins and ends, faces, and can be turned.
+
+Moments: features of every measure at each quarter of a beat, and the distance of a body from them.
+
+Motion matching (Clavet, "Motion Matching and the Road to Next-Gen Animation", GDC 2016; features as in Holden's
+Motion-Matching) compares a body with all frames; here only with those of the same phase of the measure, so that the
+beat stays. Features are seen from the hips, in the direction in which the body faces.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.build.metric import WINDOW_SAMPLES
+from live.graph.build.transitions import clouds, transition_windows
+from live.graph.step_library import StepLibrary, window_samples
+from live.motion.editing.foot_correction import ANKLES, BALLS, Feet
+from live.motion.editing.turn_insertion import support_turns
+from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
+from live.motion.pose.root_warp import give_of, holds_of, rise_of
+from live.motion.pose.root_warp_kernels import KNOTS
+from live.motion.skeleton import SKELETON
+from live.motion.step_clip import StepClip
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+Float = npt.NDArray[np.floating]
+
+PER_BEAT: Final = 4
+"""Moments in a beat."""
+LOOKED_AT: Final = (
+    ("leftFoot", 1.5), ("rightFoot", 1.5), ("leftToes", 1.0), ("rightToes", 1.0), ("leftLowerLeg", 0.7),
+    ("rightLowerLeg", 0.7), ("leftHand", 0.6), ("rightHand", 0.6), ("head", 0.7), ("chest", 0.7),
+)  # fmt: skip
+"""Joints whose places and speeds are compared, and how much each counts: feet carry."""
+SPEED_SHARE: Final = 0.06
+"""A metre per measure of speed counts as so many metres of place: what a difference of speed carries a joint astray
+while it fades, 0.2 of 0.4 s, in measures of about 1.3 to 2 s."""
+FOOT: Final = 0.4
+"""A foot that stands in one clip and swings in the other counts as so many metres between them."""
+BETWEEN: Final = 1.0 / 128.0
+"""Share of a measure over which speeds are measured."""
+_JOINTS = [SKELETON.index(name) for name, _ in LOOKED_AT]
+_WEIGHTS = np.array([weight for _, weight in LOOKED_AT])
+_ACROSS = tuple(
+    (SKELETON.index(left), SKELETON.index(right))
+    for left, right in (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moments:
+    """K moments of N nodes, the first where the measure begins, the last where it ends."""
+
+    feature: Float32
+    """Weighted places and speeds of the joints looked at, seen from the hips, and which feet stand, shape (N, K, F)."""
+    hips: Float64
+    """Hips in the clip's axes (x, z) [m], shape (N, K, 2)."""
+    facing: Float64
+    """Heading of the body in the clip's axes [rad], shape (N, K)."""
+
+    def joined(self, other: "Moments") -> "Moments":
+        """The moments of this one's nodes, then the other's."""
+        return Moments(*(np.concatenate([getattr(self, n), getattr(other, n)]) for n in Moments.__slots__))
+
+    def at(self, fraction: Float64) -> Int32:
+        """Which moment is nearest to each `fraction` (n,) of the measure, (n,)."""
+        last = self.hips.shape[1] - 1
+        return np.asarray(np.clip(np.rint(fraction * last), 0, last), np.int32)
+
+    def distance(self, feature: Float32, fraction: Float64, nodes: Int32) -> Float64:
+        """How far bodies with `feature` (n, F) at `fraction` (n,) of their measures are from each of `nodes` (C,) at
+        that phase [m], (n, C)."""
+        moment = self.at(fraction)
+        out = np.empty((len(feature), len(nodes)))
+        for k in np.unique(moment):
+            rows = moment == k
+            own, other = feature[rows].astype(np.float64), self.feature[nodes, k].astype(np.float64)
+            squared = (own**2).sum(1)[:, None] + (other**2).sum(1)[None] - 2.0 * own @ other.T
+            out[rows] = np.sqrt(np.maximum(squared, 0.0))
+        return out
+
+
+def moments_of(library: StepLibrary) -> Moments:
+    """The moments of all nodes of a library."""
+    count = PER_BEAT * library.beats_per_measure + 1
+    size = ((library.node_last - library.node_first) * BETWEEN)[:, None]
+    sample = window_samples(library.node_first, library.node_last, count)
+    back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but after the measure's beginning
+    now, then = clouds(library, sample), clouds(library, sample + back)
+    per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / BETWEEN
+    stands = library.clip_contact[np.rint(sample).astype(np.int64)]
+    feature, hips, facing = body_features(now, (now - then) * per_measure, stands)
+    return Moments(np.ascontiguousarray(feature, np.float32), hips, facing)
+
+
+def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64, Float64, Float64]:
+    """Features (..., F), hips x, z (..., 2) [m] and heading (...) [rad] of bodies with joints at `position`
+    (..., J, 3) [m], moving at `speed` (..., J, 3) [m per measure]; `stands` (..., 2): on which feet, left and right."""
+    facing = heading_of(position)
+    hips = np.ascontiguousarray(position[..., 0, ::2], np.float64)
+    seen = position[..., _JOINTS, :] - position[..., :1, :] * np.array([1.0, 0.0, 1.0])
+    places = _turned(seen, -facing[..., None]) * _WEIGHTS[:, None]
+    moving = np.concatenate([speed[..., _JOINTS, :] * _WEIGHTS[:, None], speed[..., :1, :]], axis=-2)
+    speeds = SPEED_SHARE * _turned(moving, -facing[..., None])
+    shape = (*facing.shape, -1)
+    height = position[..., :1, 1]
+    parts = [places.reshape(shape), height, speeds.reshape(shape), FOOT * stands]
+    return np.concatenate(parts, axis=-1), hips, facing
+
+
+def heading_of(position: Float) -> Float64:
+    """Heading of bodies (...) [rad], from hips and shoulders of `position` (..., J, 3) [m] alike."""
+    total = np.zeros(position.shape[:-2], np.complex128)
+    for left, right in _ACROSS:
+        across = position[..., left, :] - position[..., right, :]
+        direction = across[..., 0] + 1j * across[..., 2]
+        total += direction / np.maximum(np.abs(direction), 1e-9)
+    return np.asarray(-np.angle(total), np.float64)
+
+
+def _turned(vectors: Float, yaw: Float64) -> Float64:
+    """Vectors (..., 3) turned by `yaw` (...) about +Y."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, z = vectors[..., 0], vectors[..., 2]
+    return np.stack([x * c + z * s, vectors[..., 1], z * c - x * s], axis=-1)
+
+
+TURN_SOFTNESS = 0.3
+"""Share of a support over which a live turn speeds up, and slows down: a body cannot turn at once."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeFacts:
+    """Facts of N nodes, each of which depends on the node's own clip alone; fields as in MotionGraph."""
+
+    start: Float64
+    end: Float64
+    facing: Float64
+    facing_start: Float64
+    facing_mean: Float64
+    turns: Float64
+    quickest: Float64
+    rise: Float64
+    gives: Float64
+    holds: Float64
+    moments: Moments
+
+    def joined(self, other: "NodeFacts") -> "NodeFacts":
+        """The facts of this one's nodes, then the other's."""
+        arrays = [name for name in NodeFacts.__slots__ if name != "moments"]
+        return NodeFacts(
+            **{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in arrays},
+            moments=self.moments.joined(other.moments),
+        )
+
+
+def node_facts(library: StepLibrary, window: float) -> NodeFacts:
+    """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
+    facing_start, facing_end, facing_mean = _facing(library, window)
+    turns, quickest = _turns(library, window)
+    rise, gives, holds = _rises(library, window)
+    return NodeFacts(
+        start=_root_at(library, library.node_first),
+        end=_root_at(library, library.node_last),
+        facing=facing_end,
+        facing_start=facing_start,
+        facing_mean=facing_mean,
+        turns=turns,
+        quickest=quickest,
+        rise=rise,
+        gives=gives,
+        holds=holds,
+        moments=moments_of(library),
+    )
+
+
+def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
+    """Support turns of every node, (N, 8, 8), and how fast they are at the fastest, (N,)."""
+    feet = _feet(library)
+    turns = []
+    for node, clip in enumerate(library.node_clip):
+        step, measure = _measure(library, node)
+        turns.append(support_turns(step, measure, window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]))
+    rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
+    return rows, np.array([float(turn.quickest) for turn in turns])
+
+
+def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+    """When each node's correction comes in, (N, KNOTS, 2), how far it may go each way [m], (N, DIRECTIONS), and how
+    much of it the feet that stand at the beginning hold out, (N, 2)."""
+    legs = _legs(library)
+    rises, gives, holds = [], [], []
+    for first, last in zip(library.node_first, library.node_last, strict=True):
+        at = np.linspace(first, last, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
+        contact = library.clip_contact[at]
+        rise, follows = rise_of(contact, last=1.0 - min(window, 0.9))
+        rises.append(rise)
+        hip, ankle = legs[at][:, (1, 5)], legs[at][:, (3, 7)]
+        gives.append(give_of(hip, ankle, contact, rise, follows=follows))
+        holds.append(holds_of(ankle, contact, rise))
+    stacked = [np.ascontiguousarray(np.stack(rows)) for rows in (rises, gives, holds)]
+    return stacked[0], stacked[1], stacked[2]
+
+
+def _legs(library: StepLibrary) -> Float64:
+    """Hips, and hip, knee, ankle and toes of both legs at all samples [m], (S, 9, 3), by one run of the pipeline."""
+    pipeline = PosePipeline(len(library.clip_root), PoseSkeleton.legs_only()[0])
+    pipeline.sample[0] = np.arange(len(library.clip_root))
+    return np.asarray(pipeline.run(library.leg_store)[0], np.float64)
+
+
+def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
+    """The clip and the measure of it that a node is, or the node alone as a clip where its lines were moved (T140)."""
+    step, measure = library.clips[library.node_clip[node]], int(library.node_measure[node])
+    first = library.node_first[node] - library.node_lead[node]
+    size = library.node_last[node] - library.node_first[node]
+    as_cut = step.first + measure * step.samples_per_measure, step.samples_per_measure
+    if np.allclose((first, size), as_cut, rtol=0.0, atol=1e-3):
+        return step, measure
+    return replace(step, first=float(first), samples_per_measure=float(size), measures=1), 0
+
+
+def _feet(library: StepLibrary) -> list[Feet]:
+    """The feet of every clip, by one run of the pose pipeline over all samples."""
+    joints, position = PoseSkeleton.legs_only()[1], _legs(library)
+    ankles, balls = (position[:, np.searchsorted(joints, names)] for names in (ANKLES, BALLS))
+    feet, begin = [], 0
+    for clip in library.clips:
+        own = slice(begin, begin + clip.clip.sample_count)
+        feet.append(Feet(ankles[own], balls[own]))
+        begin = own.stop
+    return feet
+
+
+def _root_at(library: StepLibrary, sample: Float64) -> Float64:
+    low = np.clip(np.floor(sample).astype(np.int64), 0, len(library.clip_root) - 1)
+    high = np.minimum(low + 1, len(library.clip_root) - 1)
+    t = (sample - low)[:, None]
+    root = (1.0 - t) * library.clip_root[low] + t * library.clip_root[high]
+    return np.ascontiguousarray(root[:, (0, 2)], np.float64)
+
+
+def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+    """Heading of the body around the beginning and the end of each measure, and over all of it [rad], (N,) each.
+
+    The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
+    every step. Means of angles are taken as means of unit vectors.
+    """
+    end, start = transition_windows(library, window)
+    whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
+
+    def mean(cloud: Float64) -> Float64:
+        total = np.zeros(len(cloud), np.complex128)
+        for left, right in _ACROSS:
+            across = cloud[:, :, left] - cloud[:, :, right]
+            direction = across[..., 0] + 1j * across[..., 2]
+            total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
+        # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
+        return np.ascontiguousarray(-np.angle(total), np.float64)
+
+    return mean(start), mean(end), mean(whole)

@@ -1,0 +1,406 @@
+"""Paths on the stage: a drawn line becomes a place and a heading for the end of each measure (T067, T068, T127, T128).
+
+Places are positions, not distances: whoever ends a measure a little off aims at the next place from where she is, so
+that errors cancel instead of adding (T068).
+
+A path as it is danced: clips, mixtures and turns of all measures, and how near they come to the targets.
+
+Following a path: for each measure the clip, mixture and turn that keep a dancer on the line (T067-T070).
+
+A beam of hypotheses is led from measure to measure. Each knows where the dancer really is by then, so what one measure
+misses the next one makes up for (T068); and a step that is wanted later is never lost, because what every node still
+costs until the end in steps other than the wanted ones is counted beforehand, exactly.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.graph.motion_graph import MotionGraph
+from live.graph.search.sequence_diagnostics import cost_to_go, wrong_steps
+from live.graph.select.candidates import Candidates, begun, find_candidates, joined, next_axes, turn_vectors, wrapped
+
+Float64 = npt.NDArray[np.float64]
+
+MOST_POINTS: Final = 100_000
+FARTHEST: Final = 1000.0
+"""A place farther than this [m] from the centre of the stage is a misprint."""
+STILL: Final = 1e-3
+"""A way shorter than this [m] has no direction."""
+Facing = Literal["public", "path"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Targets:
+    """Where a dancer should be at the N + 1 measure lines of a path, the first one included."""
+
+    place: Float64
+    """x, z [m], shape (N + 1, 2)."""
+    heading: Float64
+    """Where she should face [rad], unwrapped: a full turn is 2π away; shape (N + 1,)."""
+
+    @property
+    def measures(self) -> int:
+        """Number of measures N."""
+        return len(self.place) - 1
+
+    @property
+    def ways(self) -> Float64:
+        """Length of the way of each measure, as the crow flies [m], shape (N,)."""
+        return np.asarray(np.hypot(*np.diff(self.place, axis=0).T), np.float64)
+
+    @property
+    def turns(self) -> Float64:
+        """Rotation wanted in each measure, O(n) - O(n - 1) [rad], shape (N,) (T128)."""
+        return np.diff(self.heading)
+
+
+def read_path(text: str) -> Float64:
+    """The points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may part the pairs. Else a PersonError."""
+    words = [word.strip() for word in text.replace(";", ",").split(",")]
+    if len(words) > 2 * MOST_POINTS:
+        raise PersonError(f"path: {len(words)} numbers, at most {2 * MOST_POINTS} are read", "give fewer points")
+    if len(words) % 2 or len(words) < 4:
+        raise PersonError(
+            f"path {_shortened(text)!r}: {len(words)} numbers read, an even number of at least 4 expected",
+            'give points as x,z pairs in metres, as in "0,0, 4,0, 4,4"',
+        )
+    values = []
+    for place, word in enumerate(words, start=1):
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not abs(value) <= FARTHEST:
+            raise PersonError(
+                f"path: number {place} is {_shortened(word)!r}, a number from {-FARTHEST:g} to {FARTHEST:g} expected",
+                "x goes to the right of the audience and z towards it, both in metres from the centre of the stage",
+            )
+        values.append(value)
+    return np.array(values).reshape(-1, 2)
+
+
+def follow_line(points: npt.ArrayLike, measures: int, *, facing: Facing | tuple[float, float] = "public") -> Targets:
+    """The line through `points` (K, 2) [m] in `measures` parts of equal length (T067).
+
+    `facing`: "public" (heading 0), "path" (along the way, the middle of each measure's), or two headings [rad], from
+    the first to the second evenly and the shorter way round. Points in one place count once; a line of no length is
+    a dance on the spot. ValueError for no points, numbers that are not finite, or fewer than one measure.
+    """
+    points = np.asarray(points, np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not len(points) or not np.isfinite(points).all():
+        raise ValueError(f"points: finite numbers of shape (K, 2) expected, got shape {points.shape}")
+    if measures < 1:
+        raise ValueError(f"{measures} measures: at least 1 expected")
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    at = np.linspace(0.0, along[-1], measures + 1)
+    place = np.stack([np.interp(at, along, points[:, axis]) for axis in (0, 1)], axis=1)
+    place[-1] = points[-1]
+    if facing == "public":
+        heading = np.zeros(measures + 1)
+    elif facing == "path":
+        heading = along_headings(place)
+    else:
+        first, last = facing
+        turn = math.remainder(last - first, 2.0 * math.pi)
+        heading = first + turn * np.arange(measures + 1) / measures
+    return Targets(place, heading)
+
+
+def along_headings(place: Float64) -> Float64:
+    """Headings [rad], unwrapped, (N + 1,): at each place along the way that leads there; the first as the second."""
+    way = np.diff(place, axis=0)
+    moves = np.hypot(*way.T) > STILL
+    if not moves.any():
+        return np.zeros(len(place))
+    direction = np.arctan2(way[:, 0], way[:, 1])
+    last = np.maximum.accumulate(np.where(moves, np.arange(len(way)), -1))  # whoever stands faces where she came to
+    direction = direction[np.where(last >= 0, last, int(np.argmax(moves)))]
+    return np.unwrap(np.concatenate((direction[:1], direction)))
+
+
+def join_targets(pieces: Sequence[Targets]) -> Targets:
+    """Several paths one after another (T067): each begins where its own points do, after the last one's final line.
+
+    The headings of a later path are taken the shorter way round from those of the one before. ValueError if there is
+    none.
+    """
+    if not pieces:
+        raise ValueError("no paths to join")
+    place, heading = [pieces[0].place], [pieces[0].heading]
+    for piece in pieces[1:]:
+        off = 2.0 * math.pi * round((heading[-1][-1] - piece.heading[0]) / (2.0 * math.pi))
+        place.append(piece.place[1:])
+        heading.append(piece.heading[1:] + off)
+    return Targets(np.concatenate(place), np.concatenate(heading))
+
+
+def smooth_headings(heading: npt.ArrayLike) -> Float64:
+    """O'(n) = 0.25 O(n - 1) + 0.5 O(n) + 0.25 O(n + 1) of headings (N,) [rad], unwrapped first (T127).
+
+    The first and the last are held beyond the ends: a dancer begins and ends as was asked but for a quarter of the
+    neighbour's difference.
+    """
+    unwrapped = np.unwrap(np.asarray(heading, np.float64))
+    held = np.concatenate((unwrapped[:1], unwrapped, unwrapped[-1:]))
+    return 0.25 * held[:-2] + 0.5 * held[1:-1] + 0.25 * held[2:]
+
+
+def smoothed(targets: Targets) -> Targets:
+    """The targets with their headings smoothed (T127); the places stay."""
+    return Targets(targets.place, smooth_headings(targets.heading))
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FollowedPath:
+    """What is danced over M measures, and how near to the targets it comes."""
+
+    node: Int32
+    """Shape (M,)."""
+    take: Int32
+    """Node of the other take that is mixed in, NO_TAKE for none, shape (M,)."""
+    share: Float64
+    """How much of it, shape (M,)."""
+    turn: Float64
+    """Turn on the carrying foot in each measure [rad], shape (M,)."""
+    correction: Float64
+    """What moves the hips besides [m], shape (M, 2)."""
+    place: Float64
+    """Where the hips are at the end of each measure [m], shape (M, 2)."""
+    error: Float64
+    """How far that is from the target [m], shape (M,)."""
+    heading_error: Float64
+    """How far the body faces from where it should [rad], absolute, shape (M,)."""
+    wrong: Bool
+    """Measures of another step than the wanted one, shape (M,)."""
+
+
+BEAM: Final = 48
+MOST_ROWS: Final = 40_000
+"""Candidates weighed for one measure; of more, those whose own clips come nearest, so that any graph is quick."""
+PER_NODE: Final = 6
+"""Hypotheses kept in one node: the others would differ by hairs."""
+HEADING: Final = 0.05
+"""A radian off the heading costs as much as this many square metres off the place..."""
+EDGE: Final = 0.05
+"""... and a metre between the poses of a join..."""
+TURN: Final = 0.005
+"""... a radian of turning in a measure, for who can go there without turns back and forth does..."""
+WRONG: Final = 1e4
+"""... and a measure of another step: more than any place on the stage."""
+NEAR: Final = 0.1
+FAR: Final = 20.0
+"""A place farther than NEAR [m] from its target costs FAR times the square of what it is beyond that, besides: one
+measure that is far off is seen, many that are a little off are not."""
+CORRECTED: Final = 0.3
+"""A square metre of correction costs this."""
+
+
+def follow_path(
+    graph: MotionGraph,
+    targets: Targets,
+    *,
+    seconds: float,
+    wanted: npt.ArrayLike | None = None,
+    fits: Bool | None = None,
+    correction_m: float = 0.0,
+    candidates: Candidates | None = None,
+    beam: int = BEAM,
+) -> FollowedPath:
+    """Dance along `targets` (M measures of `seconds`), beginning at the first of them.
+
+    `wanted` (M,) are steps by index, `ANY` for no matter which; `fits` (M, N) says more exactly which nodes may be
+    danced when (see `Specification`; with both, what fits both). Where nothing that fits can be reached, something
+    else is danced, in as few measures as possible. `correction_m` [m]: by so much the hips may be moved each measure
+    beyond what the clips do; held feet hide it as far as legs reach.
+    Deterministic. ValueError for arrays of other lengths, or no measure.
+    """
+    count = targets.measures
+    if count < 1 or not seconds > 0.0:
+        raise ValueError(f"{count} measures of {seconds} s: at least one, longer than 0, expected")
+    wrong = wrong_steps(graph, count, wanted, fits)
+    search = _Search(
+        graph, candidates if candidates is not None else find_candidates(graph), targets, seconds, correction_m, beam
+    )
+    return search.run(wrong, cost_to_go(graph, wrong))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Front:
+    """B hypotheses after a measure."""
+
+    cost: Float64
+    """All costs up to here but that of this measure's end, which is known only when the next clip joins, (B,)."""
+    node: Int32
+    hips: Float64
+    """(B, 2)"""
+    heading: Float64
+    back: Int32
+    """Rows of the front before, (B,)."""
+    row: Int32
+    """Candidates, (B,)."""
+    turn: Float64
+    correction: Float64
+    """(B, 2)"""
+    joined_at: Float64
+    """Where the hips were when this measure began, and how far the body faced from the target then, (B, 3)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    graph: MotionGraph
+    candidates: Candidates
+    targets: Targets
+    seconds: float
+    correction_m: float
+    beam: int
+
+    def run(self, wrong: Bool, to_go: Float64) -> FollowedPath:
+        fronts = [self._begin(wrong[0], to_go[0])]
+        for n in range(1, len(wrong)):
+            fronts.append(self._continue(fronts[-1], n, wrong[n], to_go[n]))
+        last = fronts[-1]
+        return self._result(
+            fronts, int(np.argmin(last.cost + self._end_cost(len(wrong), last.hips, last.heading))), wrong
+        )
+
+    def _begin(self, wrong: Bool, to_go: Float64) -> _Front:
+        """Every step that can be begun, at the first place of the path."""
+        library, first = self.graph.library, self.targets
+        node = np.flatnonzero(self.graph.alive & np.isfinite(to_go)).astype(np.int32)
+        if (library.node_measure[node] == 0).any():
+            node = node[library.node_measure[node] == 0]
+        if not len(node):
+            raise ValueError("no step can be begun: nothing in the graph leads on")
+        count = len(node)
+        placement = begun(
+            self.graph, node, np.tile(first.place[0], (count, 1)), np.full(count, first.heading[0])
+        )  # fmt: skip
+        start = np.column_stack([np.tile(first.place[0], (count, 1)), np.zeros(count)])
+        cost = WRONG * wrong[node].astype(np.float64)
+        return self._weigh(1, np.zeros(count, np.int32), cost, node, placement, start, to_go)
+
+    def _continue(self, front: _Front, n: int, wrong: Bool, to_go: Float64) -> _Front:
+        """All that can follow the hypotheses of `front` in measure n."""
+        graph, library = self.graph, self.graph.library
+        axes = next_axes(graph, front.node, front.hips, front.heading)
+        first, last = graph.edge_start[front.node], graph.edge_start[front.node + 1]
+        back = np.repeat(np.arange(len(front.node), dtype=np.int32), last - first)
+        edge = np.concatenate([np.arange(a, b) for a, b in zip(first, last, strict=True)])
+        node = graph.edge_target[edge]
+        ahead = wrong[node] + to_go[node]
+        useful = ahead <= ahead.min() + 1.0  # a detour costs more than any place on the stage
+        back, edge, node = back[useful], edge[useful], node[useful]
+        placement = joined(axes[back], graph.edge_transform[edge])
+        hips = placement[:, :2] + turn_vectors(graph.node_start[node], placement[:, 2])
+        heading = placement[:, 2] + graph.node_facing_start[node]
+        inner = library.node_measure[node] > 0
+        hips[inner], heading[inner] = front.hips[back[inner]], front.heading[back[inner]]
+        cost = front.cost[back] + WRONG * wrong[node] + EDGE * graph.edge_cost[edge]
+        cost += self._end_cost(n, hips, heading)
+        off = wrapped(heading - self.targets.heading[n])
+        return self._weigh(n + 1, back, cost, node, placement, np.column_stack([hips, off]), to_go)
+
+    def _end_cost(self, line: int, hips: Float64, heading: Float64) -> Float64:
+        error = np.hypot(*(hips - self.targets.place[line]).T)
+        off = wrapped(heading - self.targets.heading[line])
+        return np.asarray(error**2 + FAR * np.maximum(error - NEAR, 0.0) ** 2 + HEADING * off**2)
+
+    def _weigh(
+        self, line: int, back: Int32, cost: Float64, node: Int32, placement: Float64, start: Float64, to_go: Float64
+    ) -> _Front:
+        """The best candidates of all `node` (n,), each laid down at its placement, for the measure before `line`."""
+        entry = self._worth_trying(line, cost, node, placement, to_go)
+        count = np.diff(self.candidates.first)[node[entry]]
+        before = np.repeat(np.cumsum(count) - count, count)
+        row = np.repeat(self.candidates.first[node[entry]], count) + np.arange(count.sum()) - before
+        entry = np.repeat(entry, count)
+        return self._best_of(line, row.astype(np.int32), entry, back, cost, node, placement, start, to_go)
+
+    def _worth_trying(
+        self, line: int, cost: Float64, node: Int32, placement: Float64, to_go: Float64
+    ) -> npt.NDArray[np.int64]:
+        """Rows of `node`: all, or, of too many, those whose own clips, unmixed, come nearest."""
+        count = np.diff(self.candidates.first)[node]
+        if count.sum() <= MOST_ROWS:
+            return np.arange(len(node))
+        row = self.candidates.first[node]
+        _, _, hips, heading = self._ends(line, row, placement)
+        score = cost + self._end_cost(line, hips, heading) + WRONG * to_go[node]
+        order = np.argsort(score, kind="stable")
+        return np.sort(order[np.cumsum(count[order]) <= MOST_ROWS])
+
+    def _ends(self, line: int, row: Int32, placement: Float64) -> tuple[Float64, Float64, Float64, Float64]:
+        """Turn (n,), correction (n, 2), hips (n, 2) and heading (n,) of candidates `row` (n,) at `placement` (n, 3)."""
+        candidates = self.candidates
+        most = candidates.most_turn(self.seconds)[candidates.node[row]]
+        turn = wrapped(self.targets.heading[line] - placement[:, 2] - candidates.facing[row])
+        turn = np.clip(turn, -most, most)
+        hips, heading = candidates.turned_end(row, placement, turn)
+        correction = self.targets.place[line] - hips
+        size = np.maximum(np.hypot(*correction.T), 1e-9)
+        correction *= np.minimum(1.0, self.correction_m / size)[:, None]
+        return turn, correction, hips + correction, heading
+
+    def _best_of(
+        self, line: int, row: Int32, entry: npt.NDArray[np.int64], back: Int32, cost: Float64, node: Int32,
+        placement: Float64, start: Float64, to_go: Float64,
+    ) -> _Front:  # fmt: skip
+        """The front of the best candidates `row` (n,), each for the row `entry` (n,) of the other arrays."""
+        turn, correction, hips, heading = self._ends(line, row, placement[entry])
+        spent = cost[entry] + TURN * turn**2 + CORRECTED * (correction**2).sum(axis=1)
+        score = spent + self._end_cost(line, hips, heading) + WRONG * to_go[node[entry]]
+        best = _best(score, node[entry], self.beam)
+        return _Front(
+            cost=spent[best], node=node[entry[best]], hips=hips[best], heading=heading[best], back=back[entry[best]],
+            row=row[best], turn=turn[best], correction=correction[best], joined_at=start[entry[best]],
+        )  # fmt: skip
+
+    def _result(self, fronts: list[_Front], index: int, wrong: Bool) -> FollowedPath:
+        picks = []
+        for front in reversed(fronts):
+            picks.append(index)
+            index = int(front.back[index])
+        rows = list(zip(fronts, reversed(picks), strict=True))
+        row = np.array([front.row[pick] for front, pick in rows])
+        node = np.array([front.node[pick] for front, pick in rows], np.int32)
+        begins = np.array([front.joined_at[pick] for front, pick in rows])
+        last, pick = rows[-1]
+        off = wrapped(last.heading[pick : pick + 1] - self.targets.heading[-1])
+        ends = np.vstack([begins[1:], [[*last.hips[pick], off[0]]]])
+        return FollowedPath(
+            node=node,
+            take=self.candidates.take[row],
+            share=self.candidates.share[row],
+            turn=np.array([front.turn[pick] for front, pick in rows]),
+            correction=np.array([front.correction[pick] for front, pick in rows]),
+            place=ends[:, :2],
+            error=np.hypot(*(ends[:, :2] - self.targets.place[1:]).T),
+            heading_error=np.abs(ends[:, 2]),
+            wrong=wrong[np.arange(len(node)), node],
+        )
+
+
+def _best(score: Float64, node: Int32, beam: int) -> npt.NDArray[np.int64]:
+    """Rows of the lowest scores, at most PER_NODE for one node and `beam` in all, the lowest first."""
+    order = np.argsort(score, kind="stable")[: 40 * beam]
+    grouped = np.argsort(node[order], kind="stable")
+    sorted_node = node[order][grouped]
+    begins = np.flatnonzero(np.concatenate(([True], sorted_node[1:] != sorted_node[:-1])))
+    place = np.arange(len(order)) - np.repeat(begins, np.diff(np.concatenate((begins, [len(order)]))))
+    rank = np.empty(len(order), np.int64)
+    rank[grouped] = place
+    return np.asarray(order[rank < PER_NODE][:beam], np.int64)

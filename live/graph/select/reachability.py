@@ -1,0 +1,185 @@
+"""Ways: how far one measure of each step can go in each direction, so that nobody is asked for more (T068, T075).
+
+Reach: where one measure of a step can take a dancer, and in which directions recordings are missing (T075).
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.graph.motion_graph import MotionGraph
+from live.graph.select.candidates import Candidates, turn_vectors, wrapped
+from live.graph.takes import NO_TAKE
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+TABLED_DIRECTIONS: Final = 32
+"""Directions that are tabled, evenly over the circle."""
+TURNS: Final = np.radians(np.linspace(-90.0, 90.0, 9))
+"""Changes of heading over the measure that are tabled [rad]."""
+NORMALS: Final = 72
+"""Half planes whose meet is taken for a convex hull."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ways:
+    """The farthest ends of C steps, seen by the dancer who begins: 0 is straight ahead, then towards her left."""
+
+    farthest: Float64
+    """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is that of any step."""
+
+    @staticmethod
+    def of(graph: MotionGraph, candidates: Candidates) -> "Ways":
+        """Measure all candidates of all steps, each turned so that the heading changes by each of TURNS."""
+        step = graph.library.node_step[candidates.node]
+        count = len(graph.library.steps)
+        farthest = np.zeros((count + 1, len(TURNS), TABLED_DIRECTIONS))
+        alive = graph.alive[candidates.node]
+        node = candidates.node
+        heading = np.arange(TABLED_DIRECTIONS) * (2.0 * np.pi / TABLED_DIRECTIONS)
+        towards = np.array([np.sin(heading), np.cos(heading)])
+        for n, change in enumerate(TURNS):
+            own = wrapped(candidates.facing - graph.node_facing_start[node])
+            turn = wrapped(change - own)
+            moved = candidates.turns.take(node).displacement(1.0, turn)
+            way = moved + turn_vectors(candidates.end, turn) - graph.node_start[node]
+            way = turn_vectors(way, -graph.node_facing_start[node])
+            for s in range(count):
+                rows = (step == s) & alive
+                if rows.any():
+                    farthest[s, n] = _along(way[rows], towards)
+        farthest[-1] = farthest[:-1].max(axis=0)
+        return Ways(farthest)
+
+    def limit(
+        self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64, least: Float64 | float = 0.0
+    ) -> Float64:
+        """Of the `way` (A, 2) [m] of each dancer as much as her `step` (A,) can go in one measure and `more` (A,)
+        [m], or as much as `least` (A,) [m].
+
+        `heading` (A,) [rad] is where she faces at its beginning, `change` (A,) how far she is to turn until its end;
+        a step below 0 is any.
+        """
+        length = np.hypot(*way.T)
+        at = (np.arctan2(way[:, 0], way[:, 1]) - heading) * (TABLED_DIRECTIONS / (2.0 * np.pi)) % TABLED_DIRECTIONS
+        first = np.floor(at).astype(np.int64)
+        t = at - first
+        turn = np.abs(np.clip(wrapped(change), TURNS[0], TURNS[-1])[:, None] - TURNS).argmin(axis=1)
+        row = np.where(step < 0, len(self.farthest) - 1, step)
+        reach = (1.0 - t) * self.farthest[row, turn, first % TABLED_DIRECTIONS] + t * self.farthest[
+            row, turn, (first + 1) % TABLED_DIRECTIONS
+        ]
+        far = np.maximum(reach + more, least)
+        return np.asarray(way * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
+
+
+def _along(way: Float64, towards: Float64) -> Float64:
+    """How far the convex hull of nowhere and the ends `way` (n, 2) goes in the directions `towards` (2, d), (d,) [m].
+
+    Mixtures lie in the hull and, of a step in nine directions, fill it (T131). It is the meet of its half planes, of
+    which NORMALS are taken: by a thousandth too large.
+    """
+    angle = np.arange(NORMALS) * (2.0 * np.pi / NORMALS)
+    normal = np.array([np.sin(angle), np.cos(angle)])
+    support = (way @ normal).max(axis=0, initial=0.0)
+    facing = towards.T @ normal
+    return np.asarray(np.where(facing > 1e-9, support / np.maximum(facing, 1e-9), np.inf).min(axis=1))
+
+
+Bool = npt.NDArray[np.bool_]
+
+DIRECTION_NAMES: Final = (
+    "forward",
+    "forward and to her left",
+    "to her left",
+    "back and to her left",
+    "back",
+    "back and to her right",
+    "to her right",
+    "forward and to her right",
+)
+"""Eight directions as the dancer sees them, 45 degrees apart, towards her left."""
+ARC: Final = np.pi / 4
+TURNED: Final = 33
+"""Angles at which turned measures are sampled, from the largest turn to one side to that to the other."""
+MOST_TURNED: Final = np.pi / 2
+"""A larger turn [rad] in one measure is a spin, not a way of going somewhere."""
+ENOUGH: Final = 0.3
+"""A direction is missing if it is reached not even this share as far as the farthest one."""
+LEAST: Final = 0.15
+"""... or not even this far [m] (steps that get less far are danced in place)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """Ways of one measure of a step, as the dancer sees them who begins it: x to her left, z ahead [m]."""
+
+    step: str
+    clips: Float64
+    """Ways of the clips themselves, shape (n, 2)."""
+    mixed: Float64
+    """Ways of their mixtures (T069), shape (m, 2)."""
+    turned: Float64
+    """Ways of all of these with a turn inserted (T070), at TURNED angles each, shape (n + m, TURNED, 2)."""
+    farthest: Float64
+    """How far each of the eight DIRECTIONS is reached, turns included [m], shape (8,)."""
+    straight: Float64
+    """The same without turns, [m], shape (8,)."""
+
+    @property
+    def most(self) -> float:
+        """The longest way of one measure without a turn [m]: how fast the step can be led along a path."""
+        return float(self.straight.max())
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Directions in which there is nothing without a turn, or not much: what to record (T075)."""
+        bar = max(LEAST, ENOUGH * float(self.straight.max()))
+        return tuple(name for name, way in zip(DIRECTION_NAMES, self.straight, strict=True) if way < bar)
+
+
+def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: float) -> Reach:
+    """What a measure of `seconds` of the step of that index can do. ValueError if the graph has none of it."""
+    rows = np.flatnonzero(graph.library.node_step[candidates.node] == step).astype(np.int32)
+    if not len(rows):
+        raise ValueError(f"no measure of step {step} in the graph")
+    node = candidates.node[rows]
+    straight = ways_of(graph, candidates, rows, np.zeros(len(rows)))
+    most = np.minimum(candidates.most_turn(seconds)[node], MOST_TURNED)
+    angles = most[:, None] * np.linspace(-1.0, 1.0, TURNED)
+    turned = ways_of(graph, candidates, np.repeat(rows, TURNED), angles.reshape(-1)).reshape(len(rows), TURNED, 2)
+    own = candidates.take[rows] == NO_TAKE
+    return Reach(
+        step=graph.library.steps[step],
+        clips=straight[own],
+        mixed=straight[~own],
+        turned=turned,
+        farthest=_by_direction(np.concatenate([straight, turned.reshape(-1, 2)])),
+        straight=_by_direction(straight),
+    )
+
+
+def ways_of(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
+    """Ways (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], as the dancer sees them who begins."""
+    node = candidates.node[rows]
+    moved = candidates.turns.take(node).displacement(1.0, angle)
+    end = moved + turn_vectors(candidates.end[rows], angle)
+    return turn_vectors(end - graph.node_start[node], -graph.node_facing_start[node])
+
+
+def direction_of(way: Float64) -> str:
+    """The name of the direction of `way` (2,), as the dancer sees it."""
+    return DIRECTION_NAMES[round(float(np.arctan2(way[0], way[1])) / ARC) % len(DIRECTION_NAMES)]
+
+
+def _by_direction(ways: Float64) -> Float64:
+    """The length of the longest of `ways` (n, 2) in each direction, seen within half an arc, (8,)."""
+    heading, length = np.arctan2(ways[:, 0], ways[:, 1]), np.hypot(*ways.T)
+    farthest = np.zeros(len(DIRECTION_NAMES))
+    for n in range(len(DIRECTION_NAMES)):
+        inside = np.abs(wrapped(heading - n * ARC)) <= 0.5 * ARC + 1e-9
+        farthest[n] = length[inside].max(initial=0.0)
+    return farthest

@@ -1,0 +1,279 @@
+"""Adding a step to a library: everything is checked and cut before anything is written; nothing is written over.
+
+What is asked of `live steps add`: a recording as the options describe it, and what the library knows of it.
+"""
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from live.base.errors import PersonError
+from live.library.beat_alignment import GUESS, guessed_fields
+from live.library.cut_step import cut_step
+from live.library.motion_file import skeleton_beside
+from live.library.recording_file import (
+    Problem,
+    Recording,
+    RecordingEntry,
+    StepFiles,
+    error_of,
+    parse_step_file,
+    problem_words,
+    read_step_files,
+)
+from live.library.recordings import RecordingReader
+from live.library.step_writer import with_step
+from live.motion.formats.file_error import MotionFileError
+from live.motion.step_clip import DIRECTIONS, StepClip
+
+OPTIONS: Final = {
+    "file": "FILE", "unit_m": "--unit", "first_beat_s": "--anchor", "start_measure": "--start",
+    "distance_m": "--distance", "tags": "--tag",
+}  # fmt: skip
+"""Options of `live steps add` that are not called like the field."""
+READING: Final = ("fps", "unit_m", "up")
+MUSIC: Final = frozenset(("bpm", "first_beat_s"))
+CUT: Final = (
+    "name", *READING, "drop_frames", "bpm", "first_beat_s", "beats_per_measure", "start_measure", "measures",
+)  # fmt: skip
+
+
+class AskedEntry(RecordingEntry):
+    """A recording as it was asked for on the command line; problems name the option."""
+
+    @property
+    def path(self) -> Path:
+        """The motion file, where it lies now."""
+        return Path(self.recording.file)
+
+    @property
+    def skeleton(self) -> Path | None:
+        """The file of its skeleton, where it lies now."""
+        return None if self.recording.skeleton is None else Path(self.recording.skeleton)
+
+    def problem(self, field: str, words: str) -> Problem:
+        """A problem with one option."""
+        return asked_problem(self.path, field, words)
+
+
+def asked_problem(path: Path, field: str, words: str) -> Problem:
+    """A problem with what was asked of the file at `path`, by the option's name."""
+    option = OPTIONS.get(field, "--" + field.replace("_", "-"))
+    if field == "file":
+        return Problem(path, None, "", words.removeprefix(str(path)).lstrip(" ,:"))
+    return Problem(path, None, option, words)
+
+
+def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
+    """The recording that is asked for; RecordingError that names the options that are wrong or missing."""
+    try:
+        recording = Recording.model_validate({"file": str(source), **fields})
+    except ValidationError as error:
+        problems = []
+        for one in error.errors(include_url=False):
+            words = "must be given" if one["type"] == "missing" else problem_words(one)
+            problems.append(asked_problem(source, str(one["loc"][0]), words))
+        raise error_of(problems) from None
+    if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
+        try:  # it must come into the library, too
+            recording = Recording.model_validate(
+                {"file": str(source), **fields, "skeleton": str(skeleton_beside(source))}
+            )
+        except MotionFileError as error:
+            raise error_of([asked_problem(source, "file", str(error))]) from None
+    entry = AskedEntry(recording, source, {}, ())
+    if recording.direction is not None and recording.direction not in DIRECTIONS:
+        allowed = ", ".join(map(repr, DIRECTIONS))
+        raise entry.error("direction", f"{recording.direction[:60]!r}; allowed are {allowed}")
+    return entry
+
+
+def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """What the library says already of reading the recording `source` and of its music, where `given` is silent.
+
+    With it the comments behind tempo and first beat that say that they are guesses: they are, as long as nobody has
+    taken the comments away. Both are taken over together with the frames left out, for times count from the first one
+    kept.
+    """
+    try:
+        files = read_step_files(library)
+        entries = [entry for group in files.recordings.values() for entry in group]
+        entry = next((entry for entry in entries if _is_same(entry.path, source)), None)
+    except (OSError, ValueError, PersonError):
+        return {}, {}
+    known = None if entry is None else entry.recording
+    if entry is None or known is None or any(given.get(k, getattr(known, k)) != getattr(known, k) for k in READING):
+        return {}, {}
+    keys = READING if MUSIC & given.keys() else (*READING, *MUSIC, "drop_frames", "beats_per_measure")
+    told = {key: getattr(known, key) for key in keys if key in known.model_fields_set and key not in given}
+    if told.keys() >= MUSIC and given.get("drop_frames", known.drop_frames) != known.drop_frames:
+        return {key: value for key, value in told.items() if key not in MUSIC}, {}
+    return told, {key: GUESS for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
+
+
+def refuse_again(library: Path, asked: AskedEntry) -> None:
+    """PersonError if the library has this cut of this recording under this name already."""
+    try:
+        entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
+        same = [entry for entry in entries if all(_said(entry, key) == _said(asked, key) for key in CUT)]
+        there = next((entry for entry in same if _is_same(entry.path, asked.path)), None)
+    except (OSError, ValueError, PersonError):
+        return
+    if there is not None:
+        raise PersonError(
+            f"the step {asked.recording.name!r} is there already: {there.problem('name', '').place}",
+            "change it there, or choose other measures or another name",
+        )
+
+
+def _said(entry: RecordingEntry, key: str) -> object:
+    return getattr(entry.recording, key)
+
+
+def _is_same(path: Path, source: Path) -> bool:
+    if path.resolve() == source.resolve():
+        return True
+    return path.is_file() and path.stat().st_size == source.stat().st_size and path.read_bytes() == source.read_bytes()
+
+
+MOST_NAMES: Final = 1000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Added:
+    """What was added, and where."""
+
+    step: StepClip
+    entry: RecordingEntry
+    toml: Path
+    file: Path
+    """The recording in the library."""
+    copied: bool
+
+
+def add_step(
+    library: Path,
+    entry: AskedEntry,
+    *,
+    comments: Mapping[str, str] | None = None,
+    reader: RecordingReader | None = None,
+) -> Added:
+    """Cut the step, then bring its recording and its description into the folder `library`, which may be new.
+
+    A recording that lies in the library already is named where it is; another is copied. The description joins the
+    TOML file of the recording's name. `comments` stand behind the lines of their fields. Raises PersonError; then the
+    library is as it was.
+    """
+    step = cut_step(entry, (reader or RecordingReader()).clip(entry))
+    if not entry.path.resolve().is_relative_to(library.resolve()):
+        _refuse_parts(entry)
+    try:
+        library.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PersonError(f"cannot make the library {library}: {error.strerror}", "--library DIR") from None
+    made: list[Path] = []
+    try:
+        file = _brought_in(library, entry.path, made)
+        fields = entry.recording.model_dump(exclude_unset=True, exclude_none=True)
+        fields["file"] = file.relative_to(library.resolve()).as_posix()
+        if entry.skeleton is not None:
+            fields["skeleton"] = _brought_in(library, entry.skeleton, made).relative_to(library.resolve()).as_posix()
+        toml = _described(library, Path(entry.path.name).stem, fields, comments, made)
+    except OSError as error:
+        _take_back(made)
+        raise PersonError(f"cannot write into the library {library}: {error.strerror}", "--library DIR") from None
+    except BaseException:
+        _take_back(made)
+        raise
+    return Added(step, entry, toml, file, copied=file in made)
+
+
+def _refuse_parts(entry: AskedEntry) -> None:
+    """RecordingError for a .gltf file that keeps its motion in other files: they would be left behind."""
+    if entry.path.suffix.lower() != ".gltf":
+        return
+    buffers = json.loads(entry.path.read_bytes()).get("buffers", [])  # it was read before: it is well formed
+    others = [one["uri"] for one in buffers if not one.get("uri", "data:").startswith("data:")]
+    if others:
+        words = f"its motion lies in {others[0]}; export it as one file (.glb), or put both into the library first"
+        raise entry.error("file", words)
+
+
+def _take_back(made: list[Path]) -> None:
+    for path in made:
+        path.unlink(missing_ok=True)
+
+
+def _names(folder: Path, stem: str, ending: str) -> Iterator[Path]:
+    yield folder / f"{stem}{ending}"
+    for number in range(2, MOST_NAMES):
+        yield folder / f"{stem}-{number}{ending}"
+
+
+def _brought_in(library: Path, source: Path, made: list[Path]) -> Path:
+    """The file inside the library that is `source`: itself, one of the same contents, or a copy under a free name."""
+    inside, whole = library.resolve(), source.resolve()
+    if whole.is_relative_to(inside):
+        return whole
+    contents = whole.read_bytes()
+    for path in _names(inside, source.stem, source.suffix):
+        try:
+            with path.open("xb") as file:
+                made.append(path)
+                file.write(contents)
+            return path
+        except FileExistsError:
+            if path.is_file() and path.stat().st_size == len(contents) and path.read_bytes() == contents:
+                return path
+    raise PersonError(f"{library} holds {MOST_NAMES} recordings called {source.name}", "give the file another name")
+
+
+def _described(
+    library: Path, stem: str, fields: Mapping[str, Any], comments: Mapping[str, str] | None, made: list[Path]
+) -> Path:
+    """The TOML file that now holds the description: the first of the stem's names that can take it."""
+    for path in _names(library, stem, ".toml"):
+        before = path.read_bytes().decode("utf-8", errors="replace") if path.is_file() else ""
+        if path.exists() and ("\ufffd" in before or not path.is_file()):
+            continue
+        text = with_step(before, fields, comments)
+        if text is None or not _is_good(text, path):
+            continue
+        if path.exists():
+            _replace(path.resolve(), text)
+        else:
+            with path.open("xb") as file:
+                made.append(path)
+                file.write(text.encode())
+        return path
+    raise PersonError(f"{library} holds {MOST_NAMES} files called {stem}.toml", "give the recording another name")
+
+
+def _is_good(text: str, path: Path) -> bool:
+    """Whether a file can be read with the step added; one that could not be read before is left alone."""
+    files = StepFiles()
+    parse_step_file(text, path, files)
+    return not files.problems and bool(files.recordings.get(path))
+
+
+def _replace(path: Path, text: str) -> None:
+    """All of the new text or all of the old, whatever happens in between."""
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".tmp", dir=path.parent)
+    unfinished = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(text.encode())
+            file.flush()
+            os.fsync(file.fileno())
+        shutil.copymode(path, unfinished)
+        unfinished.replace(path)
+    except BaseException:
+        unfinished.unlink(missing_ok=True)
+        raise

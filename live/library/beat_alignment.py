@@ -1,0 +1,279 @@
+"""Where the beats lie in a recording: by claps to a click or a song, else guessed; what a person says wins.
+
+The music to which a recording was danced, from an audio file: where its beats fall.
+
+Guesses: tempo and first beat that nobody has confirmed, by the comment behind them in the TOML file (T017).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from live.base.errors import PersonError
+from live.clock.tracking.aubio_tracker import AubioTracker
+from live.control.audio.music_file import Music, MusicFileError, read_music
+from live.library.motion_file import read_motion
+from live.library.recording_file import RecordingEntry
+from live.motion.beats.clap_sync import (
+    FEWEST,
+    Clap,
+    ClapSync,
+    PlacedClap,
+    find_claps,
+    sync_to_claps,
+    sync_to_click,
+    sync_to_song,
+)
+from live.motion.beats.music_reference import MusicReference, set_by_hand
+from live.motion.beats.tempo_estimation import guess_tempo
+from live.motion.cleanup.trim_start import find_beginning
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
+from live.motion.retarget.body_tracks import BodyTracks, body_tracks
+from live.motion.retarget.retarget import retarget
+
+BLOCK: Final = 65536
+EVEN: Final = 0.025
+"""Beats of which most lie this near [s] to an even grid are from music that keeps its tempo: then that is meant."""
+MOST: Final = 0.7
+PERIODS: Final = (0.25, 1.5)
+"""Seconds per beat that are looked for: 240 to 40 bpm."""
+LISTENED: Final = 240.0
+"""Seconds of beats by which the grid is found; whoever claps does so at the beginning."""
+SHARE_OF_BEST: Final = 0.6
+"""Periods whose phase vector is shorter than this share of the longest are not tried."""
+TRIED: Final = 12
+FEWEST_BEATS: Final = 6
+"""Fewer beats than this are no music."""
+AUDIBLE: Final = 0.02
+"""The song begins where it first is this loud (share of its loudest 10 ms)."""
+EARLY: Final = 0.25
+"""A beat may lie this far [beats] before the first sound."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SongBeats:
+    """The beats of a song [s from the start of its file], ascending."""
+
+    beats: Float64
+    even: bool
+    """True if the song keeps its tempo: then the beats are those of a grid through all that was heard."""
+
+    @property
+    def bpm(self) -> float:
+        """Tempo over the whole song."""
+        return 60.0 * (self.beats.size - 1) / float(self.beats[-1] - self.beats[0])
+
+
+def song_beats(path: Path) -> SongBeats:
+    """All beats of an audio file, from its first sound to its end; PersonError if it cannot be read or has no beat.
+
+    The beat tracker hears the first beats only after some seconds; where the song keeps its tempo the grid is carried
+    back to its first sound.
+    """
+    try:
+        music = read_music(path)
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+    heard, period = _heard(music)
+    if heard.size < FEWEST_BEATS:
+        raise PersonError(f"{path}: no steady beat was heard in {music.duration:.0f} s", "give --click BPM instead")
+    grid = _even_grid(heard[heard < heard[0] + LISTENED], period)
+    if grid is None:
+        return SongBeats(heard, False)
+    slope, offset = grid
+    begin = _first_sound(music)
+    first, last = np.ceil((begin - offset) / slope - EARLY), np.floor((music.duration - offset) / slope)
+    return SongBeats(offset + slope * np.arange(first, last + 1), True)
+
+
+def _heard(music: Music) -> tuple[Float64, float]:
+    """Beats as the tracker hears them, ascending and apart, and the period it hears most of the time [s]."""
+    tracker = AubioTracker(float(music.sample_rate))
+    mono = music.samples.mean(axis=1, dtype=np.float32)
+    estimates = [beat for at in range(0, mono.size, BLOCK) for beat in tracker.feed(mono[at : at + BLOCK])]
+    if not estimates:
+        return np.zeros(0), 0.5
+    period = float(np.median([beat.period for beat in estimates]))
+    kept: list[float] = []
+    for position in sorted(beat.position for beat in estimates if beat.position >= 0.0):
+        if not kept or position - kept[-1] > 0.5 * period:
+            kept.append(position)
+    return np.array(kept, np.float64), period
+
+
+def _even_grid(heard: Float64, period: float) -> tuple[float, float] | None:
+    """Period and offset [s] of the grid on which most beats lie; None where the tempo changes.
+
+    The mean phase vector of the beats is long at the right period and its parts; of those the one nearest to what the
+    tracker said is meant.
+    """
+    step = 0.05 * period / max(float(heard[-1] - heard[0]), 1.0)
+    tries = PERIODS[0] * np.exp(np.arange(0.0, np.log(PERIODS[1] / PERIODS[0]), step))
+    lengths = np.array([abs(np.mean(np.exp(2j * np.pi * heard / one))) for one in tries])
+    peaks = 1 + np.flatnonzero((lengths[1:-1] >= lengths[:-2]) & (lengths[1:-1] > lengths[2:]))
+    good = tries[peaks[lengths[peaks] >= SHARE_OF_BEST * lengths[peaks].max(initial=0.0)]]
+    for one in sorted(good, key=lambda p: abs(float(np.log(p / period))))[:TRIED]:
+        grid = _fitted(heard, float(one))
+        if grid is not None:
+            return grid
+    return None
+
+
+def _fitted(heard: Float64, slope: float) -> tuple[float, float] | None:
+    """Period and offset [s] refined over the beats that lie near the grid; None if too few do."""
+    offset = float(np.angle(np.mean(np.exp(2j * np.pi * heard / slope)))) / (2.0 * np.pi) * slope
+    for _ in range(4):
+        numbers = np.round((heard - offset) / slope)
+        near = np.abs(heard - offset - numbers * slope) < EVEN
+        if near.mean() < MOST:
+            return None
+        slope, offset = (float(value) for value in np.polyfit(numbers[near], heard[near], 1))
+    return slope, offset
+
+
+def _first_sound(music: Music) -> float:
+    """When the song begins to be heard [s]."""
+    step = max(1, round(0.01 * music.sample_rate))
+    whole = music.samples.shape[0] // step * step
+    if whole == 0:
+        return 0.0
+    peaks = np.abs(music.samples[:whole]).max(axis=1).reshape(-1, step).max(axis=1)
+    return float(np.argmax(peaks >= AUDIBLE * max(float(peaks.max()), 1e-9)) * step / music.sample_rate)
+
+
+HEARD: Final = {"click": "from claps to the click", "song": "from claps to the song"}
+"""What rests on nothing but claps may rest on something else that hands do: it is confirmed, like a guess."""
+DOUBTED: Final = 0.3
+"""Claps with less confidence contradict each other: what they say is a guess."""
+GUESS: Final = "guess: confirm"
+"""The comment behind a number in a TOML file that nobody has confirmed."""
+
+
+@dataclass(frozen=True, slots=True)
+class SyncWish:
+    """What a person says about a recording and its music; None: find it."""
+
+    file: Path
+    skeleton: Path | None = None
+    fps: float | None = None
+    up: UpAxis | None = None
+    drop_frames: int | None = None
+    click_bpm: float | None = None
+    count: int | None = None
+    """Beats that were clapped to the click."""
+    song: Path | None = None
+    anchor_s: float | None = None
+    """First beat of the first measure, from the first frame that is kept [s]."""
+    bpm: float | None = None
+    beats_per_measure: int = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """What was found."""
+
+    reference: MusicReference
+    claps: tuple[PlacedClap, ...]
+    drop_frames: int
+    fps: float
+    """Frames per second, as used."""
+
+    @property
+    def guessed(self) -> bool:
+        """Whether what no hand has set is a guess: not from at least four claps that agree with a click or a song."""
+        clapped = sum(one.beat is not None for one in self.claps)
+        return self.reference.source not in HEARD or self.reference.confidence < DOUBTED or clapped < FEWEST
+
+    @property
+    def comment(self) -> str:
+        """What a TOML file says behind tempo and first beat, where no hand has set them."""
+        if self.guessed:
+            return GUESS
+        return f"{HEARD[self.reference.source]}, confidence {self.reference.confidence:.2f}"
+
+
+def find_sync(wish: SyncWish) -> Sync:
+    """The music reference of a recording.
+
+    In this order: what a person has set; claps to the beats of `song`; claps to a click of `click_bpm`; claps alone;
+    the feet (with the tempo of the click, the song or `bpm`, where one is given). Raises PersonError where the file
+    cannot be read or nothing is found.
+    """
+    beats = None if wish.song is None else song_beats(wish.song)
+    try:
+        motion = read_motion(wish.file, skeleton=wish.skeleton, up=wish.up)
+        tracks = body_tracks(motion, fps=wish.fps, up=wish.up)
+    except MotionFileError as error:
+        raise PersonError(str(error)) from None
+    drop = wish.drop_frames
+    if drop is None:  # whoever sets the anchor counts from the file's first frame, unless she says what is left out
+        drop = find_beginning(tracks).drop_frames if wish.anchor_s is None else 0
+    if drop >= tracks.frame_count:
+        raise PersonError(f"--drop-frames {drop}: the recording has {tracks.frame_count} frames")
+    lasts = (tracks.frame_count - drop) / tracks.rate
+    if wish.anchor_s is not None and wish.anchor_s >= lasts:
+        raise PersonError(f"--anchor {wish.anchor_s:g}: the recording lasts {lasts:.2f} s")
+    claps = find_claps(tracks, drop)
+    known = wish.click_bpm or wish.bpm
+    if beats is not None:
+        found = sync_to_song(claps, beats.beats, wish.beats_per_measure)
+        known = known or beats.bpm
+    elif known is not None:
+        found = sync_to_click(claps, known, wish.count)
+        if wish.click_bpm is None and found is not None and sum(one.beat is not None for one in found.claps) < FEWEST:
+            found = None  # nobody has said that there are claps: a touch or two on the beat are dancing
+    else:
+        found = sync_to_claps(claps)
+    reference = None if found is None else found.reference
+    settled = wish.anchor_s is not None and wish.bpm is not None
+    if reference is None and not settled:
+        reference = _guess(wish, motion, tracks, drop, known)
+    reference = set_by_hand(reference, anchor_s=wish.anchor_s, bpm=wish.bpm)
+    if reference is None:
+        raise PersonError(
+            f"{wish.file}: nobody claps, and {tracks.frame_count / tracks.rate:.1f} s of it are too few or too still "
+            "to guess a tempo",
+            "say both: --anchor SECONDS --bpm BPM",
+        )
+    return Sync(reference, _listed(claps, found), drop, tracks.rate)
+
+
+def _guess(
+    wish: SyncWish, motion: SourceMotion, tracks: BodyTracks, drop: int, bpm: float | None
+) -> MusicReference | None:
+    try:
+        clip = retarget(motion, name=wish.file.stem, fps=tracks.rate, up=wish.up, drop_frames=drop)
+    except (MotionFileError, ValueError) as error:
+        raise PersonError(str(error)) from None
+    guess = guess_tempo(clip, wish.beats_per_measure, bpm)
+    return None if guess is None else guess.reference
+
+
+def _listed(claps: list[Clap], found: ClapSync | None) -> tuple[PlacedClap, ...]:
+    return found.claps if found is not None else tuple(PlacedClap(clap, None, None) for clap in claps)
+
+
+def guessed_fields(entry: RecordingEntry, text: str) -> list[str]:
+    """Which of the fields bpm and first_beat_s of one step are marked as guesses in the TOML `text` it comes from."""
+    lines = text.splitlines()
+    found = []
+    for field in ("bpm", "first_beat_s"):
+        line = entry.problem(field, "").line
+        if line is not None and line <= len(lines) and GUESS in lines[line - 1].partition("#")[2]:
+            found.append(field)
+    return found
+
+
+def guess_doubts(entry: RecordingEntry, text: str) -> list[tuple[str, str]]:
+    """Field and words for each guess that stands in the file unconfirmed."""
+    return [
+        (
+            field,
+            f"{getattr(entry.recording, field):g} is a guess; look at the step on the beat (live steps play), correct "
+            f"the number, and take the comment {GUESS!r} away",
+        )
+        for field in guessed_fields(entry, text)
+    ]

@@ -1,0 +1,158 @@
+"""A cache of step clips on disk, beside the other caches: it follows what the clips were made from, and the code.
+
+A cache is named after everything that it depends on, so an old one is never read: it only takes up room until newer
+ones push it out. Without the cache a start takes longer, nothing else; whatever is wrong with it is passed over.
+
+Reading a whole file that a person named: nothing waits for a pipe, and no device is read without end.
+"""
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import stat
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import IO, Any, Final
+
+import numpy as np
+
+from live.base.jit import cache_root
+from live.motion.clip import Clip
+from live.motion.step_clip import StepClip
+
+_STEP_FIELDS: Final = tuple(field.name for field in fields(StepClip) if field.name != "clip")
+_PACKAGE: Final = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class ClipCache:
+    """The caches of one kind: files `kind-KEY.npz`, of which the newest `kept` stay, within `max_bytes` together."""
+
+    kind: str
+    kept: int
+    max_bytes: int = 4_000_000_000
+
+    def clips(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
+        """What `build` makes of `sources`: out of the cache if there is one, else built and kept.
+
+        `sources` is all that the clips depend on beside the code, in a fixed order. What `build` raises passes through,
+        and nothing is kept.
+        """
+        path = self._path(sources)
+        clips = _read(path)
+        if clips is None:
+            clips = build()
+            if clips:
+                self._write(path, clips)
+        return clips
+
+    def _path(self, sources: Iterable[bytes]) -> Path:
+        digest = hashlib.sha256(_code())
+        for source in sources:
+            digest.update(len(source).to_bytes(8, "little"))
+            digest.update(source)
+        return cache_root().parent / f"{self.kind}-{digest.hexdigest()[:16]}.npz"
+
+    def _write(self, path: Path, clips: list[StepClip]) -> None:
+        unfinished = path.with_suffix(f".{os.getpid()}.tmp")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with unfinished.open("wb") as file:
+                write_clips(file, clips)
+            unfinished.replace(path)
+            self._make_room(path.parent)
+        except OSError:
+            with contextlib.suppress(OSError):
+                unfinished.unlink()
+
+    def _make_room(self, folder: Path) -> None:
+        caches = [(cache.stat(), cache) for cache in folder.glob(f"{self.kind}-*.npz")]
+        total = 0
+        for number, (state, old) in enumerate(sorted(caches, key=lambda one: one[0].st_mtime_ns, reverse=True)):
+            total += state.st_size
+            if number >= self.kept or (number > 0 and total > self.max_bytes):
+                old.unlink(missing_ok=True)
+
+
+@cache
+def _code() -> bytes:
+    """A digest of the code that turns files into clips."""
+    digest = hashlib.sha256()
+    for package in ("motion", "steps"):
+        for source in sorted((_PACKAGE / package).rglob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.digest()
+
+
+def _row(step: StepClip) -> dict[str, Any]:
+    return {
+        "name": step.clip.name,
+        "samples": step.clip.sample_count,
+        "sample_rate": step.clip.sample_rate,
+        "step": {name: getattr(step, name) for name in _STEP_FIELDS},
+    }
+
+
+def _read(path: Path) -> list[StepClip] | None:
+    """The clips kept at `path`, None if they are not there or not readable; one that was read counts as new."""
+    try:
+        if not path.is_file():
+            return None
+        with path.open("rb") as file:
+            clips = read_clips(file)
+        os.utime(path)
+    except Exception:  # a broken file breaks zipfile, numpy, json and our own checks in their own ways
+        return None
+    return clips
+
+
+def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
+    """Write clips, bit by bit, as numpy's npz; at least one."""
+    np.savez(file, **arrays_of(clips))
+
+
+def read_clips(file: IO[bytes]) -> list[StepClip]:
+    """The clips that `write_clips` wrote; any exception for what it did not write."""
+    with np.load(file, allow_pickle=False) as data:
+        return clips_of(dict(data))
+
+
+def arrays_of(clips: Sequence[StepClip]) -> dict[str, Any]:
+    """All that clips hold, in four arrays; at least one clip."""
+    return {
+        "root": np.concatenate([c.clip.root_position for c in clips]),
+        "rotation": np.concatenate([c.clip.rotation for c in clips]),
+        "contact": np.concatenate([c.clip.contact for c in clips]),
+        "rows": np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
+    }
+
+
+def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
+    """The clips of such arrays."""
+    root, rotation, contact = arrays["root"], arrays["rotation"], arrays["contact"]
+    clips, at = [], 0
+    for row in json.loads(arrays["rows"].tobytes()):
+        end = at + row["samples"]
+        clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
+        clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
+        at = end
+    return clips
+
+
+def read_plain(path: Path, most: int) -> bytes:
+    """The bytes of a plain file, at most one more than `most`, however long it has become meanwhile.
+
+    OSError if it cannot be read, or is a folder, a pipe or a device.
+    """
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
+    with open(handle, "rb") as file:  # closes the handle
+        kind = os.fstat(handle).st_mode
+        if stat.S_ISDIR(kind):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if not stat.S_ISREG(kind):
+            raise OSError(errno.EINVAL, "a file expected, this is a pipe or a device", str(path))
+        return file.read(most + 1)

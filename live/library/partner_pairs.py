@@ -1,0 +1,307 @@
+"""Pairs: what a TOML file says of recordings of a leader and a follower who were recorded together (H001).
+
+Reading a file of pairs and its recordings into units (H001).
+
+Holds of pairs that nobody annotated, found in their recordings.
+"""
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from live.base.errors import PersonError
+from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_values
+from live.library.disk_cache import read_plain
+from live.library.motion_file import read_motion
+from live.library.recording_file import FileName, Word
+from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines
+from live.motion.cleanup.glitch_detection import find_glitches
+from live.motion.cleanup.glitch_repair import repair
+from live.motion.clip import Clip
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.partner.evaluation import Near, found_holds
+from live.motion.partner.point_clouds import ends_cloud, path_cloud
+from live.motion.partner.units import BEATS_OF_UNIT, Example, Hold, Units, beat_cuts, beat_samples, cut_units
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.retarget.retarget import retarget
+
+ELSEWHERE: Final = (
+    "start_measure", "measures", "beats_per_measure", "leading_foot", "begin_pose", "end_pose", "weight_transfer",
+    "direction", "distance_m", "tags", "author", "style", "unstructured", "mirror",
+)  # fmt: skip
+"""Keys of the same vocabulary that say nothing here: they may stand there."""
+Time = Annotated[float, Field(ge=0, le=36_000)]
+Hand = Literal["left", "right", "leftHand", "rightHand"]
+
+
+class Beats(BaseModel):
+    """Where the beats lie, counted from the first frame that is kept."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    bpm: Annotated[float, Field(ge=20, le=400)] | None = None
+    beat_s: Annotated[float, Field(ge=0.15, le=3)] | None = None
+    """Seconds of a beat, in place of `bpm`."""
+    first_beat_s: Time | None = None
+    """When some first beat of a unit falls [s]."""
+
+    @property
+    def period(self) -> float | None:
+        """Seconds of a beat, if that is said."""
+        return self.beat_s if self.beat_s is not None else None if self.bpm is None else 60.0 / self.bpm
+
+
+class Side(Beats):
+    """One of the two recordings."""
+
+    file: FileName
+    name: Word | None = None
+    skeleton: FileName | None = None
+    fps: Annotated[float, Field(ge=1, le=10_000)] | None = None
+    """True frame rate where the file's header lies."""
+    unit_m: Annotated[float, Field(gt=0, le=10)] | None = None
+    up: Literal["Y", "Z"] | None = None
+    drop_frames: Annotated[int, Field(ge=0, le=10_000_000)] = 0
+    repair: bool = False
+    """Whether tracking faults are mended where that is safe (T161)."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pass_over(cls, values: Any) -> Any:
+        if isinstance(values, dict):
+            return {key: value for key, value in values.items() if key not in ELSEWHERE}
+        return values
+
+
+class Pair(Beats):
+    """Two recordings of one take, frame by frame beside each other; without `leader` a walk, which its path leads."""
+
+    leader: Side | None = None
+    follower: Side
+    name: Word | None = None
+    cuts_s: list[Time] | None = None
+    """Where units begin and end [s], by hand; in place of beats."""
+    holds: list[tuple[Hand, Hand, Time, Time]] = []
+    """Hand of the leader, hand of the follower, from, to [s]: who holds what when."""
+
+
+class PairsFile(BaseModel):
+    """A database of examples."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    pair: Annotated[list[Pair], Field(min_length=1, max_length=1000)]
+    unit_beats: Annotated[int, Field(ge=1, le=16)] = BEATS_OF_UNIT
+    """Beats of a unit."""
+    cut: Literal["beats", "steps"] | None = None
+    """Where units are cut: at every `unit_beats`th beat, or wherever a foot lands (walks)."""
+
+
+MAX_BYTES: Final = 1_000_000
+SHOWN: Final = 8
+SHORTEST: Final = 0.15
+"""Units shorter than this [s] are cut wrongly."""
+
+Float64 = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recorded:
+    """One side of a pair on the engine's skeleton, where it was recorded."""
+
+    clip: Clip
+    frames: int
+    """Frames kept."""
+    fps: float
+    header_fps: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Examples:
+    """What a file of pairs holds."""
+
+    file: Path
+    wanted: PairsFile
+    units: Units
+    leaders: tuple[Recorded | None, ...]
+    followers: tuple[Recorded, ...]
+    guessed: tuple[bool, ...]
+    """Of which pairs the beats are a guess."""
+
+
+def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Examples:
+    """All pairs of a file; PersonError with file, line and field for whatever cannot be used."""
+    wanted, fail = _parsed(toml)
+    examples, leaders, followers, guessed = [], [], [], []
+    for n, pair in enumerate(wanted.pair):
+        where: KeyPath = ("pair", n)
+        if progress is not None:
+            progress(pair.follower.file)
+        follower = _side(pair.follower, toml, partial(fail, (*where, "follower")))
+        leader = None
+        if pair.leader is not None:
+            leader = _side(pair.leader, toml, partial(fail, (*where, "leader")))
+            _agree(leader, follower, partial(fail, where))
+        example, guess = _example(wanted, pair, leader, follower, partial(fail, where))
+        examples.append(example)
+        leaders.append(leader)
+        followers.append(follower)
+        guessed.append(guess)
+    if any(one is None for one in leaders) and any(one is not None for one in leaders):
+        raise fail(("pair",), "some pairs have a leader and some have none; a database is of one kind")
+    units = cut_units(examples)
+    if units.count < 2:
+        raise fail(("pair",), f"{units.count} unit in all of it; there is nothing to choose from with fewer than two")
+    return Examples(toml, wanted, units, tuple(leaders), tuple(followers), tuple(guessed))
+
+
+def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
+    try:
+        held = read_plain(toml, MAX_BYTES)
+        if len(held) > MAX_BYTES:
+            raise PersonError(f"{toml}: more than {MAX_BYTES} bytes")
+        text = held.decode("utf-8-sig")
+    except OSError as error:
+        raise PersonError(f"cannot read the pairs {toml}: {error.strerror}", "--examples PAIRS.toml") from None
+    except UnicodeDecodeError as error:
+        raise PersonError(f"{toml}: not a text in UTF-8 (byte {error.start})") from None
+    try:
+        data = toml_values(text)
+    except tomllib.TOMLDecodeError as error:
+        raise PersonError(f"{toml}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise PersonError(f"{toml}: brackets in brackets too deep") from None
+    lines = toml_lines(text)
+
+    def fail(where: KeyPath, words: str) -> PersonError:
+        name = ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
+        return PersonError(f"{toml}, line {line_of(lines, where)}: {name}: {words}")
+
+    try:
+        return PairsFile.model_validate(data), fail
+    except ValidationError as error:
+        told = [fail(tuple(one["loc"]), _words(one)).message for one in error.errors(include_url=False)]
+        raise PersonError("; ".join(told[:SHOWN]), "docs/partner.md says what a file of pairs holds") from None
+
+
+def _words(problem: Any) -> str:
+    if problem["type"] == "missing":
+        return "missing; it must be given"
+    if problem["type"] == "extra_forbidden":
+        return "unknown key"
+    return f"{problem['msg'][:1].lower()}{problem['msg'][1:]}, found {str(problem['input'])[:60]!r}"
+
+
+def read_side(path: Path, side: Side) -> Recorded:
+    """One recording, where it was recorded; MotionFileError or ValueError if it cannot be used."""
+    motion = read_motion(path, skeleton=None if side.skeleton is None else path.parent / side.skeleton, up=side.up)
+    return recorded(motion, side)
+
+
+def recorded(motion: SourceMotion, side: Side) -> Recorded:
+    """The same of a motion that was read."""
+    fps = side.fps or motion.header_fps
+    if side.repair:
+        tracks = body_tracks(motion, fps=fps, up=side.up, unit_m=side.unit_m)
+        motion, _ = repair(motion, find_glitches(tracks, motion.parents, side.drop_frames), fps=fps)
+    clip = retarget(
+        motion, name=Path(side.file).stem, fps=fps, unit_m=side.unit_m, up=side.up,
+        drop_frames=side.drop_frames, centred=False,
+    )  # fmt: skip
+    return Recorded(clip, motion.frame_count - side.drop_frames, fps, motion.header_fps)
+
+
+def _side(side: Side, toml: Path, fail: Callable[[str], PersonError]) -> Recorded:
+    try:
+        return read_side(toml.parent / side.file, side)
+    except (MotionFileError, ValueError) as error:
+        raise fail(str(error)) from None
+
+
+def _agree(leader: Recorded, follower: Recorded, fail: Callable[[str], PersonError]) -> None:
+    if abs(leader.fps / follower.fps - 1.0) > 1e-3:
+        raise fail(
+            f"the leader has {leader.fps:g} frames a second and the follower {follower.fps:g}; "
+            "both of a pair have one rate: say the true one with fps"
+        )
+    if leader.frames != follower.frames:
+        raise fail(
+            f"the leader has {leader.frames} frames and the follower {follower.frames}; frame by frame they belong "
+            "together: the same frames of one take, less drop_frames, expected"
+        )
+
+
+def _example(
+    wanted: PairsFile, pair: Pair, leader: Recorded | None, follower: Recorded, fail: Callable[[str], PersonError]
+) -> tuple[Example, bool]:
+    clip = follower.clip
+    last, rate = clip.sample_count - 1.0, clip.sample_rate
+    cuts, beats, guessed = _cuts(wanted, pair, leader, follower, fail)
+    if len(cuts) < 2:
+        raise fail(f"{last / rate:.2f} s are too short for one unit")
+    if (np.diff(cuts) < SHORTEST * rate).any():
+        raise fail(f"a unit of {np.diff(cuts).min() / rate:.2f} s; {SHORTEST} s at least expected")
+    for _, _, begin, end in pair.holds:
+        if not begin < end <= last / rate + 1e-6:
+            raise fail(f"a hold from {begin:g} to {end:g} s; within 0 to {last / rate:.2f} s expected")
+    holds = tuple(
+        Hold(int(one.startswith("right")), int(other.startswith("right")), begin * rate, end * rate)
+        for one, other, begin, end in pair.holds
+    )
+    control = path_cloud(clip) if leader is None else ends_cloud(leader.clip)
+    name = pair.name or pair.follower.name or Path(pair.follower.file).stem
+    return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds), guessed
+
+
+def _cuts(
+    wanted: PairsFile, pair: Pair, leader: Recorded | None, follower: Recorded, fail: Callable[[str], PersonError]
+) -> tuple[Float64, Float64, bool]:
+    """Where units begin and end, where beats are [samples], and whether that is a guess."""
+    clip = follower.clip
+    rate, last = clip.sample_rate, clip.sample_count - 1.0
+    sides = [one for one in (pair, pair.leader, pair.follower) if one is not None]
+    period = next((one.period for one in sides if one.period is not None), None)
+    first = next((one.first_beat_s for one in sides if one.first_beat_s is not None), None)
+    guessed = False
+    if pair.cuts_s is None and (wanted.cut or ("steps" if leader is None else "beats")) == "steps":
+        landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1.0
+        keep = np.concatenate(([True], np.diff(landed) >= 2.0 * SHORTEST * rate))
+        return np.asarray(landed[keep], np.float64), np.zeros(0), False
+    if first is None and pair.cuts_s is None and leader is not None and wanted.unit_beats == BEATS_OF_UNIT:
+        followed = two_beat_lines([leader.clip, clip], None if period is None else 2.0 * period)
+        if followed is not None and followed.strength >= CLEAR:
+            return followed.lines * rate, followed.beats(last / rate) * rate, True
+    if (period is None or first is None) and pair.cuts_s is None:
+        guess = guess_tempo(clip, bpm=None if period is None else 60.0 / period)
+        if guess is None:
+            raise fail("too short or too still to guess its beats: say bpm and first_beat_s")
+        period, guessed = 60.0 / guess.reference.bpm, True
+        first = guess.reference.first_beat_s if first is None else first
+    beats = np.zeros(0) if period is None or first is None else beat_samples(period, first, rate, last)
+    if pair.cuts_s is not None:
+        cuts = np.unique(np.array(pair.cuts_s, np.float64)) * rate
+        return np.asarray(cuts[cuts <= last], np.float64), beats, guessed
+    assert period is not None  # said or guessed
+    assert first is not None
+    before = int(np.floor(first / period + 1e-9)) % wanted.unit_beats
+    return beat_cuts(beats[before:], last, wanted.unit_beats), beats, guessed
+
+
+def with_holds(known: Examples, near: Near) -> Units:
+    """The units of `known` with the holds found in those pairs whose table says nothing of `holds`."""
+    return replace(known.units, examples=tuple(_one(known, n, near) for n in range(len(known.leaders))))
+
+
+def _one(known: Examples, n: int, near: Near) -> Example:
+    example, leader = known.units.examples[n], known.leaders[n]
+    if leader is None or "holds" in known.wanted.pair[n].model_fields_set:
+        return example
+    return replace(example, holds=found_holds(leader.clip, example.follower, near))

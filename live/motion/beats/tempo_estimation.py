@@ -1,0 +1,266 @@
+"""Tempo and beat of a dance to which nobody clapped, from the feet and the bounce: a guess for a person to confirm.
+
+A dance repeats itself after one, two, four and eight beats; how well it does is seen in the autocorrelation of what
+keeps time (steps, bounce). That says how long a beat is, up to octaves; where the beats lie is then seen from where
+feet land, and which beat is the first from how a measure's beats differ.
+
+Two-beat lines: where a dance whose tempo wanders begins anew every two beats, seen in how fast its feet move.
+
+Dances of partners step quick, quick, slow: what repeats itself is not the beat but two of them. The phase of that one
+component is followed through the recording, so that a line is where the dance has it, and not where one tempo for
+the whole of it would. Two dancers of a pair have the same lines, each of them found without the other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.motion.beats.dance_rhythm import Rhythm, blurred, rhythm_of
+from live.motion.beats.music_reference import MusicReference
+from live.motion.clip import Clip
+from live.motion.formats.source_motion import Float64
+
+PERIODS: Final = (0.3, 1.0)
+"""Seconds per beat: 200 to 60 bpm."""
+CANDIDATES: Final = 600
+REPEATS: Final = ((1, 1.0), (2, 1.0), (4, 1.0), (8, 1.0))
+"""After how many beats a dance repeats itself, and what that counts."""
+SLOW: Final = 1.0
+"""What changes more slowly than this [s] is no beat and is taken away first."""
+LONGEST_LAG: Final = 6.2
+"""Seconds over which repetitions are compared (eight beats of 77 bpm)."""
+SEEN: Final = 0.7
+"""Longest lag as a share of the clip: beyond it too little overlaps."""
+USUAL_BPM: Final = 118.0
+"""Of two octaves that fit the one nearer to this tempo is meant, as in the beat tracker."""
+OCTAVE_SLACK: Final = 0.03
+"""How far a peak at half or twice the period may lie beside it."""
+FINE: Final = 0.02
+"""Share by which the period is corrected so that all landings of the clip fall on beats."""
+CERTAIN: Final = 0.6
+"""Most that a guess is worth."""
+BRAKED: Final = 0.09
+"""A foot is braked hardest so many beats before it stands (sketched steps, which land exactly on the beat)."""
+TELLING: Final = 0.35
+"""Below this length of the mean phase vector what lands when is chance, and the period is not corrected by it."""
+AGREEING: Final = 0.4
+"""Landings that agree on a phase at least so well (length of the mean phase vector) say where the beat is."""
+SHORTEST_DANCE: Final = 2.5
+"""Seconds of dance below which nothing is guessed."""
+
+
+@dataclass(frozen=True, slots=True)
+class TempoGuess:
+    """A guess with what speaks for it."""
+
+    reference: MusicReference
+    repetition: float
+    """How well the dance repeats itself beat by beat (mean autocorrelation over 1, 2, 4 and 8 beats), -1 to 1."""
+    landing: float
+    """How well the feet land on the beats (length of the mean phase vector), 0 to 1."""
+    contrast: float
+    """How much the beats of a measure differ, against how much one beat differs from measure to measure, 0 to 1."""
+    other_bpm: tuple[float, ...]
+    """Tempi that fit nearly as well, the best first."""
+
+
+def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None) -> TempoGuess | None:
+    """Tempo, first beat and how sure they are; None where a clip is too short or stands still.
+
+    Where the tempo is known (`bpm`, of a click nobody clapped to) only the first beat is guessed.
+    """
+    if clip.sample_count < SHORTEST_DANCE * clip.sample_rate:
+        return None
+    rhythm = rhythm_of(clip)
+    repeats = _repetition(rhythm)
+    if repeats is None:
+        return None
+    periods, scores = repeats
+    peaks = _peaks(scores)
+    if not peaks:
+        return None
+    best = _octave(periods, peaks) if bpm is None else 60.0 / bpm
+    period, landing, phase = _landed(rhythm, best, FINE if bpm is None else 0.0)
+    first, contrast = _first_beat(rhythm, period, phase, beats_per_measure)
+    repetition = float(scores[peaks[0]] if bpm is None else np.interp(best, periods, scores))
+    confidence = CERTAIN * float(np.clip(repetition / 0.4, 0.0, 1.0)) ** 0.5 * (0.5 + 0.5 * landing)
+    others = tuple(round(60.0 / float(periods[p]), 1) for p in peaks if abs(periods[p] / best - 1.0) > OCTAVE_SLACK)[:3]
+    note = (
+        f"guessed from the feet, to be confirmed: {rhythm.plants.size} landings, {rhythm.motion_beats.size} motion "
+        f"beats, repetition {repetition:.2f}"
+        + (f"; or {', '.join(f'{bpm:g}' for bpm in others)} bpm" if others else "")
+    )
+    reference = MusicReference(first, 60.0 / period, confidence, "feet", note)
+    return TempoGuess(reference, repetition, landing, contrast, others)
+
+
+def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
+    """Candidate periods [s] and how well the dance repeats itself at each, both (CANDIDATES,)."""
+    periods = np.geomspace(*PERIODS, CANDIDATES)
+    longest = int(min(LONGEST_LAG, SEEN * rhythm.seconds) * rhythm.rate)
+    curves = [_autocorrelation(signal, rhythm.rate, longest) for signal in (rhythm.feet, rhythm.bounce)]
+    known = [curve for curve in curves if curve is not None]
+    if not known:
+        return None
+    curve = np.mean(known, axis=0)
+    total, weights = np.zeros(CANDIDATES), np.zeros(CANDIDATES)
+    for beats, weight in REPEATS:
+        lag = beats * periods * rhythm.rate
+        seen = lag <= longest - 1
+        total += np.where(seen, weight * np.interp(lag, np.arange(longest), curve), 0.0)
+        weights += np.where(seen, weight, 0.0)
+    return periods, np.asarray(total / np.maximum(weights, 1e-9))
+
+
+def _autocorrelation(signal: Float64, rate: float, longest: int) -> Float64 | None:
+    """Normalised autocorrelation for lags from 0 to `longest` - 1 samples; None for a signal that does not change."""
+    changes = signal - blurred(signal, SLOW * rate)
+    changes -= changes.mean()
+    if float(changes.std()) < 1e-4:
+        return None
+    spectrum = np.fft.rfft(changes, 2 * changes.size)
+    raw = np.fft.irfft(np.abs(spectrum) ** 2)[:longest]
+    overlap = 1.0 - np.arange(longest) / changes.size
+    return np.asarray(raw / raw[0] / overlap)
+
+
+def _peaks(scores: Float64) -> list[int]:
+    """Local maxima, the highest first."""
+    inner = np.flatnonzero((scores[1:-1] > scores[:-2]) & (scores[1:-1] >= scores[2:])) + 1
+    return [int(p) for p in inner[np.argsort(-scores[inner], kind="stable")]]
+
+
+def _octave(periods: Float64, peaks: list[int]) -> float:
+    """Period of the best peak, or half or twice that, if that is nearer to usual tempi and there is a peak, too."""
+    best = float(periods[peaks[0]])
+    related = [best]
+    for period in (0.5 * best, 2.0 * best):
+        if any(abs(periods[p] / period - 1.0) < OCTAVE_SLACK for p in peaks):
+            related.append(period)
+    return min(related, key=lambda period: abs(np.log2(60.0 / period / USUAL_BPM)))
+
+
+def _landed(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, float]:
+    """Period corrected by what lands when, how well that fits (0 to 1), and the phase of the beats [s].
+
+    The correction is by a share of `fine` at most.
+    Feet are braked before they stand: where the landings agree, they say when the beat is.
+    """
+    time = np.arange(rhythm.falls.size) / rhythm.rate
+    tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
+    vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.falls for one in tries])
+    vectors /= max(float(rhythm.falls.sum()), 1e-9)
+    lengths = np.abs(vectors)
+    best = int(np.argmax(lengths))
+    if lengths[best] < TELLING:
+        best = tries.size // 2
+    exact, landing = float(tries[best]), float(np.abs(vectors[best]))
+    phase = (BRAKED - float(np.angle(vectors[best])) / (2.0 * np.pi)) * exact
+    if rhythm.plants.size >= 4:
+        mean = complex(np.mean(np.exp(2j * np.pi * (rhythm.plants - phase) / exact)))
+        if abs(mean) >= AGREEING:
+            phase += float(np.angle(mean)) / (2.0 * np.pi) * exact
+    return exact, landing, phase % exact
+
+
+def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: int) -> tuple[float, float]:
+    """When the first beat of the first whole measure falls [s], and the contrast of the measure's beats.
+
+    Dancers rest before they begin anew (salsa holds its fourth beat): the beat after the one with the least footwork
+    is taken for the first.
+    """
+    beats = np.arange(phase, rhythm.seconds - period, period)
+    if beats.size < 2 * beats_per_measure:
+        return phase, 0.0
+    edges = np.concatenate(([0.0], np.cumsum(rhythm.feet))) / rhythm.rate
+    places = np.arange(edges.size) / rhythm.rate
+    work = np.interp(beats + 0.25 * period, places, edges) - np.interp(beats - 0.75 * period, places, edges)
+    measures = beats.size // beats_per_measure
+    folded = work[: measures * beats_per_measure].reshape(measures, beats_per_measure)
+    means = folded.mean(axis=0)
+    total = float(folded.var())
+    contrast = float(means.var()) / total if total > 1e-12 else 0.0
+    first = (int(np.argmin(means)) + 1) % beats_per_measure
+    return float(beats[first]), contrast
+
+
+SHORTEST_TWO_BEATS: Final = 0.6
+LONGEST: Final = 1.2
+"""Seconds of two beats: 200 to 100 bpm."""
+NEAR: Final = 0.06
+"""By this share two beats may be shorter or longer than they are said to be."""
+FOLLOWED: Final = 2.5
+"""Standard deviation of the window in which a phase is read [s]."""
+SLOW_HALF_WIDTH: Final = 0.5
+"""Half the width of the mean [s] that is taken away first."""
+FEWEST: Final = 6.0
+"""So many times two beats at least."""
+CLEAR: Final = 0.3
+"""From this strength on the lines can be relied on: noise has 0.2, salsa 0.4 to 0.6."""
+PADDED: Final = 16
+"""Spectra are made of so many times the recording's length."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TwoBeats:
+    """Lines through a whole recording."""
+
+    lines: Float64
+    """When two beats begin [s], ascending, (n,): all of them."""
+    strength: float
+    """Amplitude of the component against that of a pure wave as strong as the whole signal, 0 to 1."""
+
+    def beats(self, last: float) -> Float64:
+        """The lines, the middles between them, and the same before the first and after the last one, from 0 to `last`
+        [s]."""
+        length = float(np.diff(self.lines).mean())
+        lines = np.concatenate((self.lines[:1] - length, self.lines, self.lines[-1:] + length))
+        beats = np.sort(np.concatenate((lines, 0.5 * (lines[1:] + lines[:-1]))))
+        return np.asarray(beats[(beats >= 0.0) & (beats <= last)])
+
+
+def two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> TwoBeats | None:
+    """The lines that clips of one dance have together; None where there are too few, or nothing moves.
+
+    All have one rate, and begin together. `two_beats` [s]: how long two beats are, as far as it is known.
+    """
+    rate = clips[0].sample_rate
+    count = min(clip.sample_count for clip in clips)
+    longest = LONGEST if two_beats is None else two_beats * (1.0 + NEAR)
+    if count < FEWEST * longest * rate:
+        return None
+    signal = np.sum([_feet(clip, count) for clip in clips], axis=0)
+    size = float(signal.std())
+    if size < 1e-6:
+        return None
+    period = _period(signal / size, rate, two_beats)
+    time = np.arange(count) / rate
+    wave = signal / size * np.exp(-2j * np.pi * time / period)
+    read = blurred(wave.real, FOLLOWED * rate) + 1j * blurred(wave.imag, FOLLOWED * rate)
+    turns = np.maximum.accumulate(time / period + np.unwrap(np.angle(read)) / (2.0 * np.pi))
+    whole = np.arange(np.ceil(turns[0]), np.floor(turns[-1]) + 1.0)
+    lines = np.interp(whole, turns, time)
+    strength = float(np.abs(read).mean() * np.sqrt(2.0))
+    return TwoBeats(lines, strength) if len(lines) >= FEWEST - 1.0 else None
+
+
+def _feet(clip: Clip, count: int) -> Float64:
+    """How fast the feet are, less what changes slowly, as strong as another's, (count,)."""
+    feet = rhythm_of(clip).feet[:count]
+    half = max(1, round(SLOW_HALF_WIDTH * clip.sample_rate))
+    mean = np.convolve(np.pad(feet, half, mode="edge"), np.full(2 * half + 1, 1.0 / (2 * half + 1)), mode="valid")
+    return np.asarray((feet - mean) / max(float((feet - mean).std()), 1e-9))
+
+
+def _period(signal: Float64, rate: float, two_beats: float | None) -> float:
+    """The strongest one there is in a signal (T,) between the shortest and the longest two beats, or near those."""
+    low, high = (
+        (SHORTEST_TWO_BEATS, LONGEST) if two_beats is None else (two_beats / (1.0 + NEAR), two_beats * (1.0 + NEAR))
+    )
+    size = PADDED * len(signal)
+    strength = np.abs(np.fft.rfft(signal * np.hanning(len(signal)), size))
+    hertz = np.fft.rfftfreq(size, 1.0 / rate)
+    inside = np.flatnonzero((hertz >= 1.0 / high) & (hertz <= 1.0 / low))
+    return float(1.0 / hertz[inside[int(np.argmax(strength[inside]))]])

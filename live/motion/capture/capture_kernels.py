@@ -1,0 +1,322 @@
+"""A captured body's pose brought over: a strange skeleton's bones and places onto ours.
+
+Rotations of a packed pose, out of its bytes.
+
+Rotations one by one, as quaternions (w, x, y, z) in double precision: parts for kernels of captured bodies.
+
+Their loops run over the 22 joints of few dancers, so there are no blocks.
+
+Remembered poses of a captured body: found by their stamps, sampled between them, and put on the stage.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+
+Float32 = npt.NDArray[np.float32]
+UInt8 = npt.NDArray[np.uint8]
+
+STEPS = 16383
+"""Steps of a component to one side of zero: 15 bits."""
+
+
+@kernel("void(f4[:,::1], u1[::1])")
+def read_rotations(rotation: Float32, data: UInt8) -> None:
+    """Write `rotation` (J, 4) as six bytes of `data` for each joint say: see `live.motion.packed_pose`."""
+    scale = 1.0 / (math.sqrt(2.0) * STEPS)
+    kept = np.empty(3)
+    for j in range(rotation.shape[0]):
+        bits = 0
+        for k in range(6):
+            bits = bits * 256 + data[6 * j + k]
+        out, squares = (bits >> 45) & 3, 0.0
+        for k in range(3):
+            kept[k] = (((bits >> (30 - 15 * k)) & 0x7FFF) - STEPS) * scale
+            squares += kept[k] * kept[k]
+        # hostile letters may hold components that no rotation has together
+        last, size = math.sqrt(max(1.0 - squares, 0.0)), math.sqrt(max(squares, 1.0))
+        n = 0
+        for c in range(4):
+            if c == out:
+                rotation[j, c] = last / size
+            else:
+                rotation[j, c] = kept[n] / size
+                n += 1
+
+
+Vector = tuple[float, float, float]
+Rotation = tuple[float, float, float, float]
+
+
+@part
+def times(a: Rotation, b: Rotation) -> Rotation:
+    """First b, then a."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+@part
+def turn_vector(q: Rotation, x: float, y: float, z: float) -> Vector:
+    """The vector turned by q."""
+    tx, ty, tz = 2.0 * (q[2] * z - q[3] * y), 2.0 * (q[3] * x - q[1] * z), 2.0 * (q[1] * y - q[2] * x)
+    return (
+        x + q[0] * tx + q[2] * tz - q[3] * ty,
+        y + q[0] * ty + q[3] * tx - q[1] * tz,
+        z + q[0] * tz + q[1] * ty - q[2] * tx,
+    )
+
+
+@part
+def inverse(q: Rotation) -> Rotation:
+    """The turn back."""
+    return q[0], -q[1], -q[2], -q[3]
+
+
+@part
+def shortest_turn(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
+    """The shortest turn that brings direction a to direction b; none at all where they are opposite."""
+    scale = 1.0 / math.sqrt((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz))
+    w = 1.0 + (ax * bx + ay * by + az * bz) * scale
+    x, y, z = (ay * bz - az * by) * scale, (az * bx - ax * bz) * scale, (ax * by - ay * bx) * scale
+    size = math.sqrt(w * w + x * x + y * y + z * z)
+    if size < 1e-6:
+        return 1.0, 0.0, 0.0, 0.0
+    return w / size, x / size, y / size, z / size
+
+
+@part
+def mix(a: Rotation, b: Rotation, t: float) -> Rotation:
+    """From a to b by the shorter way, at the share t of it: the chord, made a rotation again."""
+    sign = 1.0 if a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] >= 0.0 else -1.0
+    w, x = a[0] + t * (sign * b[0] - a[0]), a[1] + t * (sign * b[1] - a[1])
+    y, z = a[2] + t * (sign * b[2] - a[2]), a[3] + t * (sign * b[3] - a[3])
+    size = math.sqrt(w * w + x * x + y * y + z * z)
+    if size < 1e-9:
+        return a
+    return w / size, x / size, y / size, z / size
+
+
+@part
+def heading(q: Rotation) -> float:
+    """How far q turns about the vertical [rad]: its twist."""
+    return 2.0 * math.atan2(q[2], q[0])
+
+
+@part
+def _logarithm(q: Rotation) -> Vector:
+    """The logarithm of q: axis times half the angle."""
+    sine = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    sign = 1.0 if q[0] >= 0.0 else -1.0
+    scale = sign * math.atan2(sine, abs(q[0])) / sine if sine > 1e-9 else sign
+    return q[1] * scale, q[2] * scale, q[3] * scale
+
+
+@part
+def through_rest(a: Rotation, b: Rotation, t: float) -> Rotation:
+    """Between a and b by their turns from the rest pose.
+
+    The shorter way from one to the other may be the other way round a moment later, and then a limb would jump; but no
+    joint turns half round from its rest pose.
+    """
+    ax, ay, az = _logarithm(a)
+    bx, by, bz = _logarithm(b)
+    x, y, z = ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)
+    half = math.sqrt(x * x + y * y + z * z)
+    scale = math.sin(half) / half if half > 1e-9 else 1.0
+    return math.cos(half), x * scale, y * scale, z * scale
+
+
+@part
+def row_of(rows: Any, n: int) -> Rotation:
+    """Row n of `rows` (N, 4)."""
+    return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3]
+
+
+@part
+def about_vertical(angle: float) -> Rotation:
+    """The turn by `angle` [rad] about the vertical."""
+    return math.cos(0.5 * angle), 0.0, math.sin(0.5 * angle), 0.0
+
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+
+NEAR = 0.05
+"""A foot this high [m] over the lower one counts e times less when the hips are placed."""
+SHORT = 0.02
+"""What is nearer to its parent than this [m] says nothing of where the bone points."""
+LEAST_LEG, MOST_LEG = 0.3, 1.8
+"""Legs [m] that are believed."""
+
+
+@part
+def _chain(
+    theirs: Float64, ours: Float64, rotation: Float64, bones: Float64, known: Bool, root: Float64,
+    offsets: Float32, parents: Int32, limb: Bool,
+) -> None:  # fmt: skip
+    """Every joint in the world, `theirs` (J, 7) place and rotation, of `ours` (J, 4) the rotation; and that locally."""
+    for j in range(parents.shape[0]):
+        p = max(parents[j], 0)
+        q = (bones[j, 3], bones[j, 4], bones[j, 5], bones[j, 6]) if known[j] else (1.0, 0.0, 0.0, 0.0)
+        above, x, y, z = (root[3], root[4], root[5], root[6]), root[0], root[1], root[2]
+        if j > 0:
+            above = theirs[p, 3], theirs[p, 4], theirs[p, 5], theirs[p, 6]
+            x, y, z = theirs[p, 0], theirs[p, 1], theirs[p, 2]
+        if known[j]:
+            dx, dy, dz = turn_vector(above, bones[j, 0], bones[j, 1], bones[j, 2])
+            x, y, z = x + dx, y + dy, z + dz
+        world = times(above, q)
+        theirs[j, 0], theirs[j, 1], theirs[j, 2] = x, y, z
+        theirs[j, 3], theirs[j, 4], theirs[j, 5], theirs[j, 6] = world
+        if limb[j] and known[j + 1]:
+            bx, by, bz = bones[j + 1, 0], bones[j + 1, 1], bones[j + 1, 2]
+            if bx * bx + by * by + bz * bz > SHORT * SHORT:
+                world = times(world, shortest_turn(offsets[j + 1, 0], offsets[j + 1, 1], offsets[j + 1, 2], bx, by, bz))
+        ours[j, 0], ours[j, 1], ours[j, 2], ours[j, 3] = world
+        local = times(inverse(row_of(ours, p)), world) if j > 0 else world
+        rotation[j, 0], rotation[j, 1], rotation[j, 2], rotation[j, 3] = local
+
+
+@part
+def _ratio(bones: Float64, known: Bool, offsets: Float32, legs: Int32) -> float:
+    """How long our legs are, theirs being 1; 0 where that is not known or not believed."""
+    length, own = 0.0, 0.0
+    for side in range(2):
+        for k in range(1, 3):
+            j = legs[4 * side + k]
+            if not known[j]:
+                return 0.0
+            length += math.sqrt(bones[j, 0] ** 2 + bones[j, 1] ** 2 + bones[j, 2] ** 2)
+            own += math.sqrt(offsets[j, 0] ** 2 + offsets[j, 1] ** 2 + offsets[j, 2] ** 2)
+    return own / length if 2.0 * LEAST_LEG < length < 2.0 * MOST_LEG else 0.0
+
+
+@part
+def _leg(hips: Float64, ours: Float64, offsets: Float32, legs: Int32, soles: Float64, foot: Float64, side: int) -> None:
+    """Where the ankle of a side is, and how high the sole: `foot` (4,) [m]."""
+    x, y, z, p = hips[0], hips[1], hips[2], 0
+    for k in range(4):
+        j = legs[4 * side + k]
+        dx, dy, dz = turn_vector(row_of(ours, p), offsets[j, 0], offsets[j, 1], offsets[j, 2])
+        x, y, z, p = x + dx, y + dy, z + dz, j
+        if k == 2:
+            foot[0], foot[1], foot[2] = x, y, z
+    foot[3] = min(foot[1] - soles[0], y - soles[1])
+
+
+@kernel("f8(f8[::1], f8[:,::1], f8[:,::1], b1[::1], f8[::1], f4[:,::1], i4[::1], b1[::1], i4[::1], f8[::1])")
+def bring_over(
+    hips: Float64, rotation: Float64, bones: Float64, known: Bool, root: Float64,
+    offsets: Float32, parents: Int32, limb: Bool, legs: Int32, soles: Float64,
+) -> float:  # fmt: skip
+    """A captured skeleton's pose on ours: writes `hips` (3,) [m] and local `rotation` (J, 4); returns the height [m]
+    of the lowest sole.
+
+    In: `bones` (J, 7) place from the parent [m] and local rotation of the joints that are `known` (J,), in our axes,
+    rest pose as ours; `root` (7,) where that skeleton stands; `limb` (J,) joints whose bone, to the next joint, shall
+    point where the source's does; `legs` (8,) upper leg, lower leg, foot and toes of both sides; `soles` (2,) heights
+    [m] of ankle and toe joint of a standing foot. Sizes are scaled by the length of the legs; the hips are placed so
+    that the lower foot is where the source's, scaled, is.
+    """
+    joints = parents.shape[0]
+    theirs, ours, feet = np.empty((joints, 7)), np.empty((joints, 4)), np.empty((2, 4))
+    _chain(theirs, ours, rotation, bones, known, root, offsets, parents, limb)
+    ratio = _ratio(bones, known, offsets, legs)
+    scale = ratio if ratio > 0.0 else 1.0
+    for c in range(3):
+        hips[c] = scale * theirs[0, c]
+    for side in range(2):
+        _leg(hips, ours, offsets, legs, soles, feet[side], side)
+    left, right = scale * theirs[legs[2], 1], scale * theirs[legs[6], 1]
+    one, two = 0.0, 0.0
+    if ratio > 0.0:
+        one = math.exp(-min(max(left - right, 0.0) / NEAR, 20.0))
+        two = math.exp(-min(max(right - left, 0.0) / NEAR, 20.0))
+        one, two = one / (one + two), two / (one + two)
+    raised = 0.0
+    for c in range(3):
+        way = one * (scale * theirs[legs[2], c] - feet[0, c]) + two * (scale * theirs[legs[6], c] - feet[1, c])
+        hips[c] += way
+        if c == 1:
+            raised = way
+    lowest: float = min(feet[0, 3], feet[1, 3]) + raised
+    return lowest
+
+
+TIME, BEAT = range(2)
+"""Columns of `stamp`: when a remembered pose came [s], and the danced beat at that time."""
+KEY, WANTED, CAUGHT, SHARE, PLACE_X, PLACE_Z, YAW, TURNED, ASKED = range(9)
+"""Columns of what is asked: by which stamp, of when; how much of that pose, the rest being the one held before a gap;
+how much is worn of it, the rest being the dancer's own; where the capture's origin lies [m] and its turn [rad]; and how
+far the dancer was turned from her own heading last [rad], whole turns counted."""
+
+
+@part
+def find_stamps(stamp: Float64, count: int, key: int, wanted: float) -> tuple[int, int, float]:
+    """The two remembered poses around `wanted`, and how far it is from the first to the second."""
+    size = stamp.shape[0]
+    newer = (count - 1) % size
+    if stamp[newer, key] <= wanted:
+        return newer, newer, 0.0
+    for back in range(2, min(count, size) + 1):
+        older = (count - back) % size
+        if stamp[older, key] <= wanted:
+            gap = stamp[newer, key] - stamp[older, key]
+            return older, newer, (wanted - stamp[older, key]) / gap if gap > 1e-9 else 1.0
+        newer = older
+    return newer, newer, 0.0
+
+
+@part
+def _between_two(root: Float32, held: int, i: int, j: int, t: float, caught: float, c: int) -> float:
+    """A coordinate of the hips between two remembered poses, or on the way to there from the one that was held."""
+    value = root[i, c] + t * (root[j, c] - root[i, c])
+    mixed: float = root[held, c] + caught * (value - root[held, c])
+    return mixed
+
+
+@part
+def stood(
+    root: Float32, held: int, i: int, j: int, t: float, asked: Float64, n: int, scale: float, mirrored: bool
+) -> Vector:
+    """Where the hips of what row `n` asks for are on the stage [m]."""
+    caught = asked[n, CAUGHT]
+    x = _between_two(root, held, i, j, t, caught, 0) * (-scale if mirrored else scale)
+    y = _between_two(root, held, i, j, t, caught, 1)
+    z = _between_two(root, held, i, j, t, caught, 2) * scale
+    c, s = math.cos(asked[n, YAW]), math.sin(asked[n, YAW])
+    return asked[n, PLACE_X] + c * x + s * z, y, asked[n, PLACE_Z] + c * z - s * x
+
+
+@part
+def rotation_between(
+    turned: Float32, held: int, i: int, j: int, t: float, caught: float, joint: int, mirrored: bool
+) -> Any:
+    """The local rotation of a joint between two remembered poses, or on the way there from the one that was held."""
+    q = mix(row_of(turned[i], joint), row_of(turned[j], joint), t)
+    if caught < 1.0:
+        q = mix(row_of(turned[held], joint), q, caught)
+    return (q[0], q[1], -q[2], -q[3]) if mirrored else q
+
+
+@kernel("void(f8[:,::1], f8[:,::1], f4[:,::1], f4[:,:,::1], f8[:,::1], i8, f8, b1)")
+def where_captured(
+    place: Float64, asked: Float64, root: Float32, turned: Float32, stamp: Float64, count: int, scale: float,
+    mirrored: bool,
+) -> None:  # fmt: skip
+    """Where the hips of what is `asked` (n, 8) are on the stage: `place` (n, 4), x, y, z [m] and their heading [rad];
+    the rest as in `live.motion.captured.wearing`."""
+    held = stamp.shape[0]
+    for n in range(asked.shape[0]):
+        i, j, t = find_stamps(stamp, count, int(asked[n, KEY]), asked[n, WANTED])
+        place[n, 0], place[n, 1], place[n, 2] = stood(root, held, i, j, t, asked, n, scale, mirrored)
+        place[n, 3] = asked[n, YAW] + heading(rotation_between(turned, held, i, j, t, asked[n, CAUGHT], 0, mirrored))

@@ -1,0 +1,328 @@
+"""Tracking faults in a recording: missing or frozen stretches, swapped limbs, pops, jumps, noise (T161).
+
+Three faults are to be expected of optical capture: markers that are hidden, paths that are exchanged, and noise. In
+joints they show as frames that no body can dance: see `live.motion.cleanup.glitch_detection`.
+
+Swapped limbs: from one frame to the next left becomes right, and later right becomes left again (T161).
+
+Shocks: frames at which a joint starts or stops faster than bodies can; what tracking faults look like (T161).
+
+Frozen joints: what capture programs write while markers are hidden is often the last pose seen (T161).
+"""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.source_motion import Float64, Int32
+from live.motion.retarget.body_tracks import BodyTracks
+
+PAIRS: Final = (("LowerArm", "Hand"), ("LowerLeg", "Foot"))
+"""Joints whose paths are exchanged together: arms, legs."""
+CROSSED: Final = 0.35
+"""Crossed over, the limbs have at most this share of the way that they have straight."""
+
+
+def find_swaps(tracks: BodyTracks, kick_limit: float, start: int = 0) -> list[tuple[int, int, list[int], float]]:
+    """(first frame, last frame, columns, distance of the exchanged joints [m]) of every stretch that is swapped.
+
+    Where limbs cross over an odd number of times, the last stretch is taken to go on to the end.
+    """
+    found: list[tuple[int, int, list[int], float]] = []
+    for pair in PAIRS:
+        columns = [[tracks.column(side + joint) for side in ("left", "right")] for joint in pair]
+        known = [(left, right) for left, right in columns if left is not None and right is not None]
+        if not known:
+            continue
+        left = tracks.positions[start:, [c[0] for c in known]]
+        right = tracks.positions[start:, [c[1] for c in known]]
+        straight, crossed = _way(left, right, left, right), _way(left, right, right, left)
+        steps = start + np.flatnonzero((crossed < CROSSED * straight) & (straight > 4.0 * kick_limit))
+        every = sorted(column for c in known for column in c)
+        for first, last in zip(steps[::2], [*steps[1::2], tracks.frame_count - 1], strict=False):
+            apart = float(np.linalg.norm(left[first - start] - right[first - start], axis=-1).max())
+            found.append((int(first) + 1, int(last), every, apart))
+    return found
+
+
+def _way(left: Float64, right: Float64, left_after: Float64, right_after: Float64) -> Float64:
+    """Way from each frame to the next over both sides and all joints [m], shape (T - 1,)."""
+    steps = np.linalg.norm(left_after[1:] - left[:-1], axis=-1) + np.linalg.norm(right_after[1:] - right[:-1], axis=-1)
+    return np.asarray(steps.sum(axis=-1))
+
+
+Float = npt.NDArray[np.floating]
+
+ACCELERATION: Final = 350.0
+"""[m/s²]: of 50,000 frames of salsa at 60 Hz without fault the fastest has 280, the faults have 440 to 2,300."""
+LEAST_KICK: Final = 0.06
+"""Twice as far as a joint must be off its path [m] to count, however short a frame is."""
+SLOW_KICK: Final = 0.25
+"""The same where frames are long, so that `ACCELERATION` would forgive too much."""
+SLOW_RATIO: Final = 3.0
+"""And so many times the kick that 1 of 200 frames of the recording exceeds."""
+TWIST: Final = np.radians(40.0)
+TWIST_RATE: Final = np.radians(2000.0)
+"""A joint's turn per frame may change by this [rad, rad/s]; wrists flick with 1,700 degrees per second."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shocks:
+    """How hard each frame of a recording kicks each joint; first and last frame cannot be judged and are 0."""
+
+    kick: Float64
+    """Change of the way per frame, |p(t-1) - 2 p(t) + p(t+1)| [m], shape (T, B)."""
+    twist: Float64
+    """Change of the turn per frame relative to the parent [rad], shape (T, B)."""
+    kick_limit: float
+    """What is believed of a body at this frame rate [m]."""
+    twist_limit: float
+
+    @property
+    def severity(self) -> Float64:
+        """The larger of kick and twist over its limit: from 1 on it is a fault, shape (T, B)."""
+        return np.maximum(self.kick / self.kick_limit, self.twist / self.twist_limit)
+
+
+def find_shocks(tracks: BodyTracks, start: int = 0) -> Shocks:
+    """Kicks and twists of every frame after `start` (frames before it are 0, as if nothing were there)."""
+    kick = np.zeros(tracks.positions.shape[:2])
+    twist = np.zeros_like(kick)
+    if tracks.frame_count - start > 2:
+        kick[start + 1 : -1] = np.linalg.norm(np.diff(tracks.positions[start:], 2, axis=0), axis=-1)
+        turn = quaternion.mul(tracks.rotation[start + 1 :], quaternion.inverse(tracks.rotation[start:-1]))
+        twist[start + 1 : -1] = turned_by(quaternion.mul(turn[1:], quaternion.inverse(turn[:-1])))
+    usual = float(np.percentile(kick[start + 1 : -1], 99.5)) if tracks.frame_count - start > 2 else 0.0
+    fast = ACCELERATION / tracks.rate**2
+    limit = max(LEAST_KICK, min(fast, max(SLOW_KICK, SLOW_RATIO * usual)))
+    return Shocks(kick, twist, limit, max(float(TWIST), float(TWIST_RATE) / tracks.rate))
+
+
+def turned_by(rotation: Float) -> Float64:
+    """Angle of unit quaternions [rad], 0 to pi, shape (...)."""
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(rotation[..., 1:], axis=-1), np.abs(rotation[..., 0])))
+
+
+Bool = npt.NDArray[np.bool_]
+
+STILL: Final = 1e-6
+"""Turns [rad] and ways [m] below this per frame are none: even standing still is alive."""
+SHORTEST: Final = 0.1
+"""Held shorter than this [s] may be a file written at a higher rate than it was captured at."""
+DEAD_STOP: Final = np.radians(40.0)
+"""A joint that turns faster than this [rad/s] just before or after was stopped by the recording, not by the body."""
+ALIVE: Final = 0.5
+"""Joints that move in fewer than this share of all frames are not tracked at all."""
+FROZEN_TOGETHER: Final = 2
+"""One joint alone is a knee or elbow that the capture program keeps from bending the wrong way."""
+MOVING: Final = 0.05
+"""The rest of the body moves faster than this [m/s] meanwhile, else she stands in a pose."""
+
+
+def find_frozen(tracks: BodyTracks, start: int = 0) -> list[tuple[int, int, list[int]]]:
+    """(first, last frame of the held pose, columns); the whole body where everything stops and goes on with a jolt."""
+    if tracks.frame_count - start < 4:
+        return []
+    turn = turned_by(quaternion.mul(tracks.rotation[start + 1 :], quaternion.inverse(tracks.rotation[start:-1])))
+    way = np.linalg.norm(np.diff(tracks.positions[start:], axis=0), axis=-1)
+    still = turn < STILL
+    alive = np.flatnonzero((~still).mean(axis=0) >= ALIVE)
+    shortest = max(3, round(SHORTEST * tracks.rate))
+    found: dict[tuple[int, int], list[int]] = {}
+    for column in alive:
+        for first, last in _runs(still[:, column], shortest):
+            beside = [turn[place, column] for place in (first - 1, last) if 0 <= place < len(turn)]
+            moving = float(np.median(way[first:last].max(axis=1))) * tracks.rate > MOVING
+            whole = bool((way[first:last] < STILL).all())
+            if (
+                max(beside, default=0.0) * tracks.rate > DEAD_STOP
+                and (moving or whole)
+                and first > 0
+                and last < len(turn)
+            ):
+                found.setdefault((start + first, start + last), []).append(int(column))
+    return [
+        (first, last, columns) for (first, last), columns in sorted(found.items()) if len(columns) >= FROZEN_TOGETHER
+    ]
+
+
+def _runs(still: Bool, shortest: int) -> list[tuple[int, int]]:
+    """(first, last) frame of stretches of at least `shortest` frames that do not move."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a + 1 >= shortest]
+
+
+GlitchKind = Literal["missing", "frozen", "swapped", "pop", "jump", "noise"]
+
+FEWEST: Final = 8
+"""Frames below which nothing is told: two or three poses are no recording."""
+SHOCKS_TOGETHER: Final = 0.06
+"""Shocks of one part of the body this close [s] are one fault."""
+LONGEST_POP: Final = 0.2
+"""Bursts longer than this [s] are noise."""
+EDGE: Final = 0.5
+"""Beside a fault, shocks of this severity belong to it."""
+SHARE: Final = 0.3
+"""A joint whose turn explains this share of a kick is at fault."""
+ONE_FRAME: Final = 1.6
+"""Of two shocks in a row, one that is so much harder than the other is a frame that is off."""
+REST: Final = 1e-4
+"""A body whose joints are all turned by less than this [rad] was not tracked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Glitch:
+    """One fault. Frames count from 0 and both ends belong to it; a jump has the last before and the first after."""
+
+    kind: GlitchKind
+    """"missing": all joints at rest; "frozen": held while others move; "swapped": left is right; "pop": away and back
+    within `LONGEST_POP`; "jump": away and not back; "noise": a longer stretch that jitters."""
+    first_frame: int
+    last_frame: int
+    joints: tuple[str, ...]
+    """Joints that move wrongly, as named in the file."""
+    at_fault: tuple[str, ...]
+    """Joints whose own rotation is the cause (the root's: also its place); what a repair replaces."""
+    size_m: float
+    """How far the worst of them is off [m], at least."""
+
+    @property
+    def frames(self) -> range:
+        """All its frames."""
+        return range(self.first_frame, self.last_frame + 1)
+
+
+def find_glitches(tracks: BodyTracks, parents: Int32, start: int = 0) -> list[Glitch]:
+    """All faults from frame `start` on (after a T-pose and the run-in from it), in order of time.
+
+    `parents` is the file's (J,). Below what bodies can do nothing is reported: a small fault is taken for dancing.
+    """
+    if tracks.frame_count - start < FEWEST:
+        return []
+    shocks = find_shocks(tracks, start)
+    found = [
+        Glitch("swapped", first, last, _named(tracks, columns), _named(tracks, columns), size)
+        for first, last, columns, size in find_swaps(tracks, shocks.kick_limit, start)
+    ]
+    explained = [edge for swap in found for edge in (swap.first_frame, swap.last_frame + 1)]
+    for first, last, columns in find_frozen(tracks, start):
+        names = _named(tracks, columns)
+        kind: GlitchKind = "missing" if _at_rest(tracks, first, last) else "frozen"
+        found.append(Glitch(kind, first, last, names, names, _missed(tracks, first, last, columns)))
+        explained += [first, last, last + 1]
+    for first, last, columns in _clusters(shocks, tracks, parents):
+        if not any(first <= edge <= last + 1 for edge in explained):
+            found.append(_glitch(tracks, shocks, parents, first, last, columns))
+    return sorted(found, key=lambda glitch: (glitch.first_frame, glitch.last_frame, glitch.joints))
+
+
+def _parts(tracks: BodyTracks, parents: Int32) -> list[list[int]]:
+    """Columns of the limbs and of the trunk with the head: shocks of different parts are different faults."""
+    limbs: list[list[int]] = []
+    for top in ("leftUpperLeg", "rightUpperLeg", "leftUpperArm", "rightUpperArm"):
+        above = tracks.body.joint(top)
+        limbs.append([c for c, joint in enumerate(tracks.joints) if above in _path(parents, int(joint))])
+    taken = {column for limb in limbs for column in limb}
+    return [*limbs, [c for c in range(len(tracks.joints)) if c not in taken]]
+
+
+def _path(parents: Int32, joint: int) -> list[int]:
+    """The joint and all above it."""
+    path = [joint]
+    while parents[path[-1]] >= 0:
+        path.append(int(parents[path[-1]]))
+    return path
+
+
+def _clusters(shocks: Shocks, tracks: BodyTracks, parents: Int32) -> list[tuple[int, int, list[int]]]:
+    """(first shock, last shock, columns) of every fault; parts of the body with a common cause have one fault."""
+    severity = shocks.severity
+    gap = max(3, round(SHOCKS_TOGETHER * tracks.rate))
+    found: list[tuple[int, int, list[int]]] = []
+    for columns in _parts(tracks, parents):
+        worst = severity[:, columns].max(axis=1, initial=0.0)
+        hits = np.flatnonzero(worst >= 1.0)
+        for group in np.split(hits, np.flatnonzero(np.diff(hits) > gap) + 1) if hits.size else []:
+            first, last = int(group[0]), int(group[-1])
+            while worst[first - 1] >= EDGE:
+                first -= 1
+            while worst[last + 1] >= EDGE:
+                last += 1
+            found.append((first, last, [c for c in columns if severity[first : last + 1, c].max() >= EDGE]))
+    merged: list[tuple[int, int, list[int]]] = []
+    for first, last, columns in sorted(found):
+        causes = set(_at_fault(tracks, shocks, parents, slice(first, last + 1), columns))
+        for place, (a, b, others) in enumerate(merged):
+            if first <= b and causes & set(_at_fault(tracks, shocks, parents, slice(a, b + 1), others)):
+                merged[place] = (a, max(b, last), others + columns)
+                break
+        else:
+            merged.append((first, last, columns))
+    return merged
+
+
+def _glitch(tracks: BodyTracks, shocks: Shocks, parents: Int32, first: int, last: int, columns: list[int]) -> Glitch:
+    window = slice(max(first - 1, 0), last + 2)
+    size = 0.5 * float(shocks.kick[window][:, columns].max())
+    causes = _at_fault(tracks, shocks, parents, window, columns)
+    kind, first, last = _kind(tracks, shocks, first, last, columns)
+    return Glitch(kind, first, last, _named(tracks, columns), causes, size)
+
+
+def _kind(tracks: BodyTracks, shocks: Shocks, first: int, last: int, columns: list[int]) -> tuple[GlitchKind, int, int]:
+    """What the shocks from `first` to `last` mean, and the frames to be named."""
+    if last - first < 2:
+        # away and back in one frame kicks 1 : 2 : 1, a jump 1 : 1
+        kicks = shocks.severity[[first, last]][:, columns].max(axis=1)
+        if last == first or max(kicks) > ONE_FRAME * min(kicks):
+            frame = first if kicks[0] >= kicks[1] else last
+            return "pop", frame, frame
+        return "jump", first, last
+    before = tracks.positions[first, columns] - tracks.positions[max(first - 1, 0), columns]
+    way = tracks.positions[last, columns] - tracks.positions[first, columns]
+    off = float(np.linalg.norm(way / (last - first) - before, axis=-1).max())
+    if (last - first - 1) / tracks.rate > LONGEST_POP:
+        return "noise", first + 1, last - 1
+    if off >= shocks.kick_limit:
+        return "jump", first, last
+    return "missing" if _at_rest(tracks, first + 1, last - 1) else "pop", first + 1, last - 1
+
+
+def _at_rest(tracks: BodyTracks, first: int, last: int) -> bool:
+    return bool((turned_by(tracks.rotation[first : last + 1]) < REST).all())
+
+
+def _at_fault(tracks: BodyTracks, shocks: Shocks, parents: Int32, window: slice, columns: list[int]) -> tuple[str, ...]:
+    """Joints whose turns explain the kicks of `columns`: turn times lever arm, compared along the way to the root."""
+    at = {int(joint): column for column, joint in enumerate(tracks.joints)}
+    kicks, twists = shocks.kick[window].max(axis=0), shocks.twist[window].max(axis=0)
+    frame = window.start + int(np.argmax(shocks.kick[window][:, columns].max(axis=1)))
+    guilty = {c for c in columns if twists[c] >= shocks.twist_limit}
+    loudest = max(columns, key=lambda c: float(kicks[c]))
+    kicked = {c for c in columns if kicks[c] >= shocks.kick_limit}
+    if not guilty or kicks[loudest] >= EDGE * shocks.kick_limit:
+        kicked.add(loudest)
+    for column in kicked:
+        above = [at[j] for j in _path(parents, int(tracks.joints[column]))[1:] if j in at]
+        if not above:
+            guilty.add(column)
+            continue
+        levers = np.linalg.norm(tracks.positions[frame, [column]] - tracks.positions[frame, above], axis=-1)
+        parts = levers * twists[above]
+        parts[-1] += kicks[above[-1]]
+        guilty |= {c for part, c in zip(parts, above, strict=True) if part >= SHARE * parts.max()}
+    return _named(tracks, sorted(guilty))
+
+
+def _missed(tracks: BodyTracks, first: int, last: int, columns: list[int]) -> float:
+    """The way [m] that the rest of the body went meanwhile, at most by one joint."""
+    others = [c for c in range(len(tracks.joints)) if c not in columns] or columns
+    way = tracks.positions[min(last + 1, tracks.frame_count - 1), others] - tracks.positions[first, others]
+    return float(np.linalg.norm(way, axis=-1).max())
+
+
+def _named(tracks: BodyTracks, columns: list[int]) -> tuple[str, ...]:
+    return tuple(tracks.names[c] for c in sorted(set(columns)))

@@ -1,0 +1,132 @@
+"""Head facing: the head looks at the public while the body turns, as far as a neck lets it (T123-T125).
+
+Orientation: which way a body faces over a clip, and the whole clip turned to the public (T122).
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.curve import smoothed
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import SKELETON
+
+Float64 = npt.NDArray[np.float64]
+
+_UPRIGHT = 0.2
+"""A forward axis whose level part is shorter than this points up or down, and says nothing about the heading."""
+
+
+def heading_of(rotation: npt.NDArray[np.floating]) -> Float64:
+    """Heading [rad] of world rotations (..., 4): 0 faces the public (+z), positive towards +x, in [-π, π].
+
+    Of their forward axis, or, where that points up or down (lying, bent double), of what is to the right of their left.
+    """
+    rotation = np.asarray(rotation, np.float64)
+    forward = quaternion.rotate(rotation, np.array((0.0, 0.0, 1.0)))
+    left = quaternion.rotate(rotation, np.array((1.0, 0.0, 0.0)))
+    level = np.hypot(forward[..., 0], forward[..., 2]) >= _UPRIGHT
+    return np.asarray(
+        np.where(level, np.arctan2(forward[..., 0], forward[..., 2]), np.arctan2(-left[..., 2], left[..., 0]))
+    )
+
+
+def circular_mean(headings: npt.ArrayLike) -> float:
+    """Direction [rad] of the sum of unit vectors towards all `headings`; 0 where they cancel (T122)."""
+    total = complex(np.exp(1j * np.asarray(headings, np.float64)).sum())
+    return float(np.angle(total)) if abs(total) > 1e-9 * max(1, np.size(headings)) else 0.0
+
+
+def average_orientation(clip: Clip) -> float:
+    """The mean heading of the hips over the clip [rad]."""
+    return circular_mean(heading_of(clip.rotation[:, 0]))
+
+
+def turn_clip(clip: Clip, yaw: float) -> Clip:
+    """The whole clip turned by `yaw` [rad] about the place where the hips are at its first sample."""
+    turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(yaw))
+    centre = clip.root_position[0].astype(np.float64) * (1.0, 0.0, 1.0)
+    rotation = clip.rotation.astype(np.float64)
+    rotation[:, 0] = quaternion.mul(turn, rotation[:, 0])
+    return replace(
+        clip,
+        root_position=(quaternion.rotate(turn, clip.root_position - centre) + centre).astype(np.float32),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+    )
+
+
+def face_public(clip: Clip) -> Clip:
+    """The clip turned so that its average orientation is zero (T122): for what a random walk has put together."""
+    return turn_clip(clip, -average_orientation(clip))
+
+
+LIMIT: Final = np.radians(60.0)
+"""The head turns no farther than this to either side (T124)."""
+SIGMA: Final = 0.12
+"""Width of the Gaussian [s] that smooths the added turn (T124; not printed there)."""
+NECK_SHARE: Final = 0.5
+"""Share of the added turn that the neck takes; the head ends as in T125 whatever it is."""
+
+_CHEST, _NECK, _HEAD = (SKELETON.index(name) for name in ("upperChest", "neck", "head"))
+_Y: Final = np.array((0.0, 1.0, 0.0))
+
+
+def face_head(
+    clip: Clip,
+    *,
+    target: float = 0.0,
+    limit: float = LIMIT,
+    sigma: float = SIGMA,
+    neck_share: float = NECK_SHARE,
+) -> Clip:
+    """The clip with the head turned about the vertical towards `target` [rad, 0 = the public].
+
+    The turn at each sample is that of `head_turn`; the head's rotation in the world becomes R_θ R_head and its local
+    one follows from its parents' (T125). ValueError for a limit outside (0, π) or a negative sigma.
+    """
+    theta = head_turn(clip, target=target, limit=limit, sigma=sigma)
+    _, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    neck = quaternion.mul(quaternion.from_axis_angle(_Y, neck_share * theta), world[:, _NECK])
+    head = quaternion.mul(quaternion.from_axis_angle(_Y, theta), world[:, _HEAD])
+    rotation = clip.rotation.copy()
+    rotation[:, _NECK] = quaternion.mul(quaternion.inverse(world[:, _CHEST]), neck)
+    rotation[:, _HEAD] = quaternion.mul(quaternion.inverse(neck), head)
+    return replace(clip, rotation=rotation)
+
+
+def head_turn(clip: Clip, *, target: float = 0.0, limit: float = LIMIT, sigma: float = SIGMA) -> Float64:
+    """The turn θ [rad] to add to the head at each sample, (T,) (T123, T124).
+
+    θ = target - atan2(v_x, v_z) for the head's forward axis v (with the quadrant that arctg loses). Samples in which
+    θ, or the head on the chest that it would lead to, is beyond `limit` are left out (spins), what is missing is
+    filled by straight lines, and a Gaussian of `sigma` [s] smooths it all. Last, no sample may turn the head beyond
+    the limit on the chest, or farther than it was.
+    """
+    if not 0.0 < limit < np.pi or not sigma >= 0.0:
+        raise ValueError(f"limit {limit} and sigma {sigma}: 0 to π and at least 0 expected")
+    _, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    theta = wrap(target - heading_of(world[:, _HEAD]))
+    turned = wrap(heading_of(world[:, _HEAD]) - heading_of(world[:, _CHEST]))  # already, on the chest
+    kept = (np.abs(theta) <= limit) & (np.abs(turned + theta) <= limit)
+    theta = fill_gaps(theta, kept)
+    if sigma > 0.0:
+        theta = np.asarray(smoothed(theta, sigma * clip.sample_rate), np.float64)
+    lowest, highest = np.minimum(-limit, turned), np.maximum(limit, turned)
+    return np.asarray(np.clip(turned + theta, lowest, highest) - turned)
+
+
+def fill_gaps(values: Float64, kept: npt.NDArray[np.bool_]) -> Float64:
+    """Values (T,) with those that are not `kept` on straight lines between their neighbours; 0 if none is kept."""
+    if not kept.any():
+        return np.zeros_like(values)
+    places = np.arange(len(values))
+    return np.interp(places, places[kept], values[kept])
+
+
+def wrap(angle: npt.NDArray[np.floating]) -> Float64:
+    """The same angles in [-π, π) [rad]."""
+    return np.asarray(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)

@@ -1,0 +1,130 @@
+"""Where the feet of a clip are: balls, ankles and the height of the soles.
+
+Legs that reach for given places: after an edit of whole poses the feet go where they belong.
+
+Floor correction: no sole goes below the floor; feet that would are lifted, softly in time.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
+from live.motion.two_bone_ik import two_bone
+
+Float = npt.NDArray[np.floating]
+
+ANKLES: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
+BALLS: Final = (SKELETON.index("leftToes"), SKELETON.index("rightToes"))
+"""The toe joints: the balls of the feet, on which dancers pivot and which stay when a heel rises."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Feet:
+    """World positions [m] of the left and the right foot at T samples, float64."""
+
+    ankle: Float
+    """Ankle joints, shape (T, 2, 3)."""
+    ball: Float
+    """Toe joints, shape (T, 2, 3)."""
+
+    @property
+    def height(self) -> Float:
+        """Height of each sole over the floor [m]: of heel and ball the lower, shape (T, 2)."""
+        heel = self.ankle[..., 1] - SOLE_BELOW_ANKLE
+        return np.asarray(np.minimum(heel, self.ball[..., 1] - TOES_OVER_SOLE))
+
+
+def find_feet(clip: Clip) -> Feet:
+    """Positions of the feet of a clip, computed in float64."""
+    positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    return Feet(positions[:, ANKLES], positions[:, BALLS])
+
+
+_SOFTNESS: Final = 0.002
+"""Recorded legs are often quite straight: they may stay so, to a few tenths of a percent of their length."""
+_FORWARD: Final = np.array((0.0, 0.0, 1.0))
+_LEGS: Final = tuple(
+    tuple(SKELETON.index(side + joint) for joint in ("UpperLeg", "LowerLeg", "Foot")) for side in ("left", "right")
+)
+
+
+def reach_with_feet(root: Float, rotation: Float, ankles: Float, feet: Float) -> Float:
+    """Local rotations (T, J, 4) whose ankles are at `ankles` and whose feet have the world rotations `feet` (T, 2, 4).
+
+    `root` (T, 3) and `rotation` (T, J, 4) are the pose to start from, which knees and thighs stay nearest to;
+    `ankles` (T, 2, 3) [m]. Everything but the legs is as given; bones keep their lengths, so what lies out of a
+    leg's reach is pointed at.
+    """
+    position, world = forward_kinematics(root, rotation)
+    result = rotation.copy()
+    for side, (upper, lower, foot) in enumerate(_LEGS):
+        hip, knee, ankle = position[:, upper], position[:, lower], position[:, foot]
+        pole = knee - 0.5 * (hip + ankle) + 0.05 * quaternion.rotate(world[:, upper], _FORWARD)
+        new_knee, new_ankle = two_bone(
+            hip, ankles[:, side], pole, upper=_length(lower), lower=_length(foot), softness=_SOFTNESS
+        )
+        thigh = quaternion.mul(quaternion.from_two_vectors(knee - hip, new_knee - hip), world[:, upper])
+        shin = quaternion.mul(quaternion.from_two_vectors(ankle - knee, new_ankle - new_knee), world[:, lower])
+        result[:, upper] = quaternion.mul(quaternion.inverse(world[:, 0]), thigh)
+        result[:, lower] = quaternion.mul(quaternion.inverse(thigh), shin)
+        result[:, foot] = quaternion.mul(quaternion.inverse(shin), feet[:, side])
+    return result
+
+
+def _length(joint: int) -> float:
+    return float(np.linalg.norm(SKELETON.offsets[joint].astype(np.float64)))
+
+
+Float64 = npt.NDArray[np.float64]
+
+SOFT: Final = 0.1
+"""Seconds before and after over which a lift comes and goes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FloorCorrection:
+    """A corrected clip, and by how much each foot was lifted [m], left and right, shape (T, 2)."""
+
+    clip: Clip
+    lift: Float64
+
+    @property
+    def deepest(self) -> float:
+        """How far [m] the farthest sole was lifted."""
+        return float(self.lift.max(initial=0.0))
+
+
+def correct_floor(clip: Clip, *, soft: float = SOFT) -> FloorCorrection:
+    """Lift each foot by at least as much as its sole is below y = 0, bending the leg; the rest of the body stays.
+
+    The lift is the smallest smooth one: the depth, held over `soft` seconds to both sides and averaged over as many.
+    Places on the floor (x, z) and the directions of the feet stay, so what stood still stands still. A clip in which
+    no sole is below the floor is returned as it is.
+    """
+    root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
+    position, world = forward_kinematics(root, rotation)
+    depth = np.maximum(-Feet(position[:, ANKLES], position[:, BALLS]).height, 0.0)
+    lift = cover(depth, max(1, round(soft * clip.sample_rate)))
+    if not lift.any():
+        return FloorCorrection(clip, lift)
+    ankles = position[:, ANKLES].copy()
+    ankles[..., 1] += lift
+    moved = lift.max(axis=1) > 0.0
+    rotation[moved] = reach_with_feet(root, rotation, ankles, world[:, ANKLES])[moved]
+    return FloorCorrection(replace(clip, rotation=np.ascontiguousarray(rotation, np.float32)), lift)
+
+
+def cover(depth: Float64, half: int) -> Float64:
+    """A smooth curve in time, (T, n), that is nowhere below `depth` (T, n) and 0 beyond 2 · `half` samples from it."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    padded = np.pad(depth, ((2 * half, 2 * half), (0, 0)), mode="edge")
+    most = windows(padded, 2 * half + 1, axis=0).max(axis=-1)
+    weights = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(windows(most, 2 * half + 1, axis=0) @ (weights / weights.sum()))

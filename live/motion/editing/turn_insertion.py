@@ -1,0 +1,359 @@
+"""Rotation insertion: a step is turned while one foot carries, and that foot holds its place (T048-T050).
+
+Single support: the stretches of a measure in which one foot alone carries the dancer (T048).
+
+SupportTurns: rotation insertion (T048-T050) in closed form, at any fraction of a measure and for any angle.
+
+On the stage plane a point is the complex number z + i x, so that turning by `yaw` is multiplying by exp(i yaw). While
+a foot carries, the turn is about its ball; what was turned before has moved that ball along, so the motion that turns
+a clip's point p into exp(i angle share) p + D is a sum over the supports, each with an integral that has a closed form.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.editing.foot_correction import Feet, find_feet
+from live.motion.step_clip import StepClip, measured_direction, measured_distance
+
+Float = npt.NDArray[np.floating]
+Bool = npt.NDArray[np.bool_]
+
+LIFTED: Final = 0.20
+"""One foot carries where the feet's heights differ by more than this share of the largest difference (T048)."""
+SHORTEST: Final = 0.1
+"""Stretches shorter than this [s] are errors (T048). The thesis says 10 frames without a rate; its OptiTrack cameras
+and its N = 100 frames for a measure fit 100 frames a second."""
+LEAST_LIFT: Final = 0.01
+"""Where the feet's heights never differ by more than this [m], no foot is ever lifted (a share of nothing is noise)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """The samples `start` to `stop` (exclusive), in which `foot` alone carries."""
+
+    start: int
+    stop: int
+    foot: int
+    """0 the left, 1 the right: the lower one (T049)."""
+    point: tuple[float, float]
+    """Where the ball of that foot stands on the floor (x, z) [m]: its mean over the stretch."""
+
+    @property
+    def samples(self) -> int:
+        """Length in samples."""
+        return self.stop - self.start
+
+
+def height_difference(feet: Feet) -> Float:
+    """d(t) = |height_R - height_L| [m] of the soles, shape (T,) (T048: of the heights, not of the feet themselves)."""
+    height = feet.height
+    return np.asarray(np.abs(height[:, 1] - height[:, 0]))
+
+
+def find_supports(
+    feet: Feet, sample_rate: float, start: int, stop: int, *, last: int | None = None, contact: Bool | None = None
+) -> list[Support]:
+    """The single supports among the samples `start` to `stop` (exclusive), in order (T048).
+
+    The bar is 20 % of the largest d(t) in that range, which is one measure: "we are editing the motions at each
+    measure". Samples from `last` on (the blend window, T050) count for the bar but are not selected. A stretch in
+    which the feet change over (one lands before the other's lift is seen) is cut where the lower foot changes.
+    Where `contact` (T, 2), the clip's own annotation, has both feet on the floor, neither carries alone: a low foot
+    that drags differs in height from the other and would be swept along.
+    """
+    difference = height_difference(feet)[start:stop]
+    if difference.size == 0 or difference.max() < LEAST_LIFT:
+        return []
+    chosen = difference > LIFTED * difference.max()
+    if last is not None:
+        chosen[max(last - start, 0) :] = False
+    if contact is not None:
+        chosen &= ~contact[start:stop].all(axis=1)
+    lower = np.argmin(feet.height[start:stop], axis=1)
+    state = np.where(chosen, 1 + lower, 0)
+    edges = np.flatnonzero(np.diff(state, prepend=0, append=0))
+    shortest = SHORTEST * sample_rate
+    supports = []
+    for begin, end in pairwise(edges):
+        if state[begin] == 0 or end - begin < shortest - 1e-9:
+            continue
+        foot = int(state[begin]) - 1
+        x, _, z = feet.ball[start + begin : start + end, foot].mean(axis=0)
+        supports.append(Support(int(start + begin), int(start + end), foot, (float(x), float(z))))
+    return supports
+
+
+Float64 = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+MAX_SEGMENTS: Final = 8
+"""Segments kept for each measure; of more supports the longest are."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SupportTurns:
+    """Where in a measure a dancer may turn and about which point; every array has shape (..., 8).
+
+    Leading axes are measures or dancers. Unused segments come last and have start = stop = 1 and weight 0; a measure
+    in which nothing may turn does not exist (see `support_turns`), so the weights of each measure sum to 1.
+    """
+
+    start: Float64
+    """Fraction of the measure at which the segment begins, in [0, 1]."""
+    stop: Float64
+    """Fraction at which it ends; segments are in order and do not overlap."""
+    weight: Float64
+    """Share of the whole angle that is turned in the segment."""
+    point: Float64
+    """Where the ball of the carrying foot stands when the segment begins, x and z [m] in the clip's own axes;
+    shape (..., 8, 2)."""
+    point_stop: Float64
+    """Where it stands when the segment ends, likewise: recorded feet creep, and roll from heel to toe."""
+    softness: Float64
+    """Share of the segment over which the turn speeds up, and again slows down: 0 (uniform, T049) to 0.5."""
+
+    def take(self, rows: npt.NDArray[np.integer]) -> "SupportTurns":
+        """The rows of the first axis that `rows` (A,) names: from the nodes of a library to the dancers."""
+        return SupportTurns(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def rows(self) -> Float64:
+        """One row for each segment, (..., 8, 8): start, stop, weight, x, z at its start and at its stop, softness."""
+        single = (self.start, self.stop, self.weight, self.softness)
+        start, stop, weight, softness = (array[..., None] for array in single)
+        return np.concatenate((start, stop, weight, self.point, self.point_stop, softness), axis=-1)
+
+    @property
+    def quickest(self) -> Float64:
+        """How fast it turns at most, in whole angles a measure, (...): a turn in one short support is a snap."""
+        span = np.maximum(self.stop - self.start, 1e-12)
+        return np.asarray(np.max(self.weight / span / (1.0 - self.softness), axis=-1))
+
+    def share(self, fraction: npt.ArrayLike) -> Float64:
+        """Share of the angle that is turned when `fraction` (...) of the measure has passed: 0 to 1, never falling."""
+        return np.asarray(np.sum(self.weight * self._progress(fraction), axis=-1))
+
+    def displacement(self, fraction: npt.ArrayLike, angle: npt.ArrayLike) -> Float64:
+        """What is added to the turned clip so that the carrying foot holds: x, z [m] in the clip's own axes, (..., 2).
+
+        With yaw = `angle` · share(`fraction`) a point of the clip goes to turned(point, yaw) + displacement, and the
+        body's heading grows by yaw. For a clip that is placed on the stage with a yaw of its own, turn the
+        displacement by that yaw and add yaw to both the path's and the body's. `fraction` and `angle` [rad]
+        broadcast against the leading axes.
+        """
+        progress = self._progress(fraction)
+        whole = np.asarray(angle, np.float64)[..., None] * self.weight
+        before = np.cumsum(whole * progress, axis=-1) - whole * progress  # turned in earlier segments; all of it
+        turn = whole * progress
+        start = self.point[..., 1] + 1j * self.point[..., 0]
+        way = self.point_stop[..., 1] + 1j * self.point_stop[..., 0] - start
+        mean = np.exp(0.5j * turn) * np.sinc(turn / (2.0 * np.pi))  # of exp(i φ) for φ from 0 to turn
+        moved = start - np.exp(1j * turn) * (start + way * progress) + way * progress * mean
+        total = np.sum(np.exp(1j * before) * moved, axis=-1)
+        return np.stack((total.imag, total.real), axis=-1)
+
+    def _progress(self, fraction: npt.ArrayLike) -> Float64:
+        """How far the turn of each segment is, 0 to 1, shape (..., 8)."""
+        span = np.maximum(self.stop - self.start, 1e-12)
+        passed = np.clip((np.asarray(fraction, np.float64)[..., None] - self.start) / span, 0.0, 1.0)
+        return soft_progress(passed, self.softness)
+
+
+def soft_progress(passed: npt.ArrayLike, softness: npt.ArrayLike) -> Float64:
+    """From 0 to 1 as `passed` goes from 0 to 1: linear for softness 0, else with the speed rising and falling linearly.
+
+    `softness` is the share of the way that each of the two takes, at most 0.5.
+    """
+    passed, softness = np.broadcast_arrays(np.asarray(passed, np.float64), np.asarray(softness, np.float64))
+    safe = np.maximum(softness, 1e-9)
+    edge = np.minimum(np.minimum(passed, 1.0 - passed), safe)  # distance from the nearer end, while in its ramp
+    ramp = 0.5 * edge * edge / safe
+    inner = np.clip(passed, safe, 1.0 - safe)
+    risen = (inner - safe + np.where(passed < 0.5, ramp, safe - ramp)) / (1.0 - safe)
+    return np.asarray(np.where(softness > 1e-9, risen, passed))
+
+
+def stack_turns(turns: Sequence[SupportTurns]) -> SupportTurns:
+    """N measures in one, arrays of shape (N, 8): what a library holds, one row for each node."""
+    return SupportTurns(*(np.stack([getattr(one, name) for one in turns]) for name in SupportTurns.__slots__))
+
+
+BLEND_WINDOW: Final = 0.2
+"""Share of a measure before its end that takes no rotation, because the blend into the next one lies there (T050):
+the thesis' 20 frames (T036) of 100 for a measure."""
+_STILL: Final = 0.02
+"""Speed [m/s] that is added to the feet's, so that the angle is spread evenly where no foot moves at all."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stretch:
+    """The samples `start` to `stop` (exclusive), over which `weight` of the angle is turned about `pivot` (n, 2)."""
+
+    start: int
+    stop: int
+    weight: float
+    pivot: Float
+
+
+def insert_rotation(
+    step: StepClip,
+    angle: float,
+    *,
+    measure: int | None = None,
+    window: float = BLEND_WINDOW,
+    softness: float = 0.0,
+) -> StepClip:
+    """The step turned by `angle` [rad, positive towards +x] in the course of one measure (from 0) or of all of them.
+
+    Each of the N samples in which one foot alone carries turns the whole rest of the sequence by angle / N about the
+    ball of that foot, so that the foot stays (T049); the last `window` (share of a measure) of each measure takes no
+    rotation (T050). `softness` above 0 (to 0.5) lets the turn of each support speed up and slow down over that share
+    of it. Where no foot ever carries alone, the angle is spread over the measure as fast as the feet move, about
+    their middle. ValueError for a measure that the step does not have, a window outside [0, 0.9] or a softness
+    outside [0, 0.5].
+    """
+    _check(step, measure, window, softness)
+    stretches = _stretches(step, find_feet(step.clip), measure, window)
+    increment = np.zeros(step.clip.sample_count)
+    pivot = np.zeros((step.clip.sample_count, 2))
+    for stretch in stretches:
+        edges = np.linspace(0.0, 1.0, stretch.stop - stretch.start + 1)
+        increment[stretch.start : stretch.stop] += angle * stretch.weight * np.diff(soft_progress(edges, softness))
+        pivot[stretch.start : stretch.stop] = stretch.pivot
+    turned = replace(step, clip=turn_about(step.clip, increment, pivot))
+    return replace(turned, direction=measured_direction(turned), distance_m=measured_distance(turned))
+
+
+def turn_about(clip: Clip, increment: Float, pivot: Float) -> Clip:
+    """Turn everything from each sample on by `increment` (T,) [rad] about `pivot` (T, 2), as it lies by then (T049).
+
+    `pivot` holds x and z [m] in the given clip; what earlier samples have turned carries it along. The loop
+    "rotate, then translate so that the pivot stays, then go on with the rest" is a running sum of complex numbers.
+    """
+    yaw = np.cumsum(increment)
+    turned = np.exp(1j * yaw)
+    point = pivot[:, 1] + 1j * pivot[:, 0]
+    moved = np.cumsum((np.exp(1j * (yaw - increment)) - turned) * point)
+    root = clip.root_position.astype(np.float64)
+    place = turned * (root[:, 2] + 1j * root[:, 0]) + moved
+    rotation = clip.rotation.astype(np.float64)
+    rotation[:, 0] = quaternion.mul(quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), yaw), rotation[:, 0])
+    return replace(
+        clip,
+        root_position=np.stack((place.imag, root[:, 1], place.real), axis=1).astype(np.float32),
+        rotation=np.ascontiguousarray(rotation, np.float32),
+    )
+
+
+def support_turns(
+    step: StepClip, measure: int, *, window: float = BLEND_WINDOW, softness: float = 0.0, feet: Feet | None = None
+) -> SupportTurns:
+    """Where and about which points one measure (from 0) of a step can be turned by any angle; arrays of shape (8,).
+
+    The same as `insert_rotation` does sample by sample, as a function of the fraction of the measure; the ball of a
+    carrying foot goes straight from where it stands first to where it stands last. Measures without single support
+    get eight stretches outside the blend window, weighted by how fast the feet move, about the middle between the
+    feet (softness 0). `feet` are those of the clip, where the caller has them. ValueError as for `insert_rotation`.
+    """
+    _check(step, measure, window, softness)
+    feet = find_feet(step.clip) if feet is None else feet
+    supports = [(measure, support) for support in _supports(step, feet, measure, window)]
+    stretches = _stretches_of(step, feet, (measure,), window, supports)
+    single = bool(supports)
+    columns = np.zeros((8, MAX_SEGMENTS))
+    columns[:2] = 1.0
+    begin = step.first + measure * step.samples_per_measure
+    for n, stretch in enumerate(stretches):
+        # a sample's turn happens between the sample before it and itself
+        ends = (np.array((stretch.start, stretch.stop)) - 0.5 - begin) / step.samples_per_measure
+        first, last = _line_through(stretch.pivot)
+        columns[:, n] = (
+            *np.clip(ends, 0.0, 1.0 - window),
+            stretch.weight,
+            *first,
+            *last,
+            softness if single else 0.0,
+        )
+    return SupportTurns(
+        start=columns[0].copy(),
+        stop=columns[1].copy(),
+        weight=columns[2].copy(),
+        point=np.ascontiguousarray(columns[3:5].T),
+        point_stop=np.ascontiguousarray(columns[5:7].T),
+        softness=columns[7].copy(),
+    )
+
+
+def _line_through(points: Float) -> tuple[Float, Float]:
+    """Ends of the straight way that fits `points` (n, 2) best, in the least squares sense."""
+    if len(points) < 3:
+        return points[0], points[-1]
+    along = np.linspace(-1.0, 1.0, len(points))
+    slope = along @ points / (along @ along)
+    middle = points.mean(axis=0)
+    return middle - slope, middle + slope
+
+
+def _check(step: StepClip, measure: int | None, window: float, softness: float) -> None:
+    if measure is not None and not 0 <= measure < step.measures:
+        raise ValueError(f"step {step.step!r} has {step.measures} measures; there is no measure {measure} (from 0)")
+    if not 0.0 <= window <= 0.9:
+        raise ValueError(f"window {window}: a share of the measure from 0 to 0.9 expected")
+    if not 0.0 <= softness <= 0.5:
+        raise ValueError(f"softness {softness}: 0 to 0.5 expected")
+
+
+def _range(step: StepClip, measure: int, window: float) -> tuple[int, int, int]:
+    """First sample of a measure, the first one of its blend window, and the first one after it."""
+    begin = step.first + measure * step.samples_per_measure
+    ends = (begin, begin + (1.0 - window) * step.samples_per_measure, begin + step.samples_per_measure)
+    first, last, stop = (int(np.ceil(end - 1e-9)) for end in ends)
+    return first, last, stop
+
+
+def _supports(step: StepClip, feet: Feet, measure: int, window: float) -> list[tuple[int, int, int]]:
+    first, last, stop = _range(step, measure, window)
+    found = find_supports(feet, step.clip.sample_rate, first, stop, last=last, contact=step.clip.contact)
+    kept = sorted(found, key=lambda support: -support.samples)[:MAX_SEGMENTS]
+    return [(s.start, s.stop, s.foot) for s in sorted(kept, key=lambda support: support.start)]
+
+
+def _stretches(step: StepClip, feet: Feet, measure: int | None, window: float) -> list[_Stretch]:
+    """Stretches of one measure or of all; weights sum to 1 and are the shares of the N samples (T049)."""
+    measures = range(step.measures) if measure is None else (measure,)
+    supports = [(n, support) for n in measures for support in _supports(step, feet, n, window)]
+    return _stretches_of(step, feet, measures, window, supports)
+
+
+def _stretches_of(
+    step: StepClip,
+    feet: Feet,
+    measures: Sequence[int],
+    window: float,
+    supports: list[tuple[int, tuple[int, int, int]]],
+) -> list[_Stretch]:
+    total = sum(stop - start for _, (start, stop, _) in supports)
+    if not supports:
+        return [stretch for n in measures for stretch in _by_speed(step, feet, n, window, 1.0 / len(measures))]
+    ball = feet.ball[..., (0, 2)]
+    return [
+        _Stretch(start, stop, (stop - start) / total, ball[start:stop, foot]) for _, (start, stop, foot) in supports
+    ]
+
+
+def _by_speed(step: StepClip, feet: Feet, measure: int, window: float, weight: float) -> list[_Stretch]:
+    """Eight stretches of a measure in which no foot carries alone, weighted by the mean speed of the feet."""
+    first, last, _ = _range(step, measure, window)
+    places = np.linspace(first, last, MAX_SEGMENTS + 1).round().astype(int)
+    seconds = 1.0 / step.clip.sample_rate
+    speed = np.linalg.norm(np.gradient(feet.ball, axis=0), axis=-1).mean(axis=1) / seconds + _STILL
+    middle = feet.ball.mean(axis=1)[:, (0, 2)]
+    ways = [(a, b, float(speed[a:b].sum())) for a, b in pairwise(places) if b > a]
+    total = sum(way for _, _, way in ways)
+    return [_Stretch(a, b, weight * way / total, middle[a:b]) for a, b, way in ways]

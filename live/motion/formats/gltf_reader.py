@@ -1,0 +1,255 @@
+"""glTF, GLB and VRM animations as recordings: nodes to joints, channels to frames, scales folded into the bones.
+
+Joints relative to their parent joints: chains of nodes put together, scales folded into the translations.
+"""
+
+from dataclasses import dataclass
+from typing import Final, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
+from live.motion.formats.gltf_accessors import Accessors, Resolve
+from live.motion.formats.gltf_animation import Animation, Channel, CurveReader, Frames, list_animations
+from live.motion.formats.gltf_document import GltfFile, JsonPlace, open_gltf
+from live.motion.formats.gltf_skeleton import (
+    Figure,
+    NodeRest,
+    Nodes,
+    bind_rotations,
+    even,
+    find_figure,
+    is_even,
+    rest_rotations,
+)
+from live.motion.formats.source_motion import FileWarning, SourceMotion
+
+Float = npt.NDArray[np.floating]
+Float64 = npt.NDArray[np.float64]
+
+_IDENTITY: Final = np.array((1.0, 0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """Where the last node of a chain is, seen from above the first, over T frames."""
+
+    translation: Float
+    """In metres of the world, shape (T, 3)."""
+    rotation: Float
+    """Unit quaternions, shape (T, 4)."""
+    scale: float
+    """Of everything above the last node and of itself: metres of the world per unit below it."""
+
+
+class LocalMotion:
+    """Chains of `nodes` as one animation moves them; a scale is one factor, which must not change."""
+
+    def __init__(
+        self,
+        nodes: Nodes,
+        curves: CurveReader,
+        channels: dict[tuple[int, str], Channel],
+        used: set[int],
+        carrying: set[int],
+    ) -> None:
+        """`channels` by node and path; `used` are the nodes of all chains, `carrying` those with a joint below."""
+        self._nodes, self._curves, self._channels = nodes, curves, channels
+        self.warnings: list[str] = []
+        self._rests = {node: self._rest(node, node in carrying) for node in sorted(used)}
+
+    def at_rest(self, chain: list[int], scale: float) -> Chain:
+        """The chain in the rest pose, T = 1; `scale` is that of everything above it."""
+        return self._compose(chain, scale, {}, np.zeros(1))
+
+    def at(self, chain: list[int], scale: float, times: Float64) -> Chain:
+        """The chain at `times` (T,) [s]."""
+        return self._compose(chain, scale, self._channels, times)
+
+    def _rest(self, node: int, carries: bool) -> NodeRest:
+        """The node at rest; where its scale is animated, the scale of the animation."""
+        rest = self._nodes.rest(node)
+        scale, name = rest.scale, repr(self._nodes.name(node))
+        channel = self._channels.get((node, "scale"))
+        if channel is not None:
+            values = self._curves.curve(channel).values
+            if not (values > 1e-9).all():
+                raise channel.place.error("", f"scales {name} to nothing", "factors above zero expected")
+            scale = np.median(values, axis=0)
+            if carries and not all(is_even(column) for column in values.T):
+                self.warnings.append(f"the scale of {name} changes: its middle value is used")
+        if carries and not is_even(scale):
+            self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, its bones are off")
+        return NodeRest(rest.translation, rest.rotation, scale)
+
+    def _compose(
+        self, chain: list[int], scale: float, channels: dict[tuple[int, str], Channel], times: Float64
+    ) -> Chain:
+        translation: Float = np.zeros((len(times), 3))
+        rotation: Float = np.broadcast_to(_IDENTITY, (len(times), 4))
+        for node in chain:
+            rest = self._rests[node]
+            moves, turns = channels.get((node, "translation")), channels.get((node, "rotation"))
+            move = rest.translation if moves is None else self._curves.curve(moves).at(times)
+            turn = rest.rotation if turns is None else self._curves.curve(turns).at(times)
+            translation = translation + quaternion.rotate(rotation, scale * move)
+            rotation = quaternion.mul(rotation, turn)
+            scale *= even(rest.scale)
+        return Chain(translation, quaternion.unit(rotation), scale)
+
+
+Array = TypeVar("Array", npt.NDArray[np.float64], npt.NDArray[np.int32])
+
+SHOWN_NAMES: Final = 6
+_ROOM: Final = 32_000_000
+"""Bytes that the frames may take in any case; more for larger files."""
+_HALF_TURN: Final = np.array((0.0, 0.0, 1.0, 0.0))
+
+
+def parse_gltf(data: bytes, file: str, resolve: Resolve | None = None) -> SourceMotion:
+    """Read a .glb, .gltf, .vrm or .vrma file with an animation; `file` is its name for messages.
+
+    Units are metres and Y is up by the format. Joints are the humanoid bones of a VRM (under their VRM names, so that
+    nothing has to be guessed), else the joints of the skin that moves most, else the nodes that move. What lies between
+    and above them is folded in, with its scale; VRM 0.x is turned about, for its models face -z. All channels are read
+    at one rate, that of the keys. The rest pose is that of the skin's inverse bind matrices, else that of the nodes.
+
+    `resolve` gives the content of a file beside this one, by its bare name (a .gltf with its .bin); without it one
+    file is expected. Raises MotionFileError (and nothing else) for whatever else the data may be; memory is bounded by
+    64 MB + 20 times the data.
+    """
+    try:
+        return _Reader(open_gltf(data, file), resolve).read()
+    except MemoryError:
+        raise MotionFileError(file, None, "not enough memory", "a shorter animation expected") from None
+
+
+class _Reader:
+    def __init__(self, gltf: GltfFile, resolve: Resolve | None) -> None:
+        self._gltf = gltf
+        self._root = JsonPlace(gltf.json, "", gltf.file)
+        self._nodes = Nodes(self._root)
+        self._accessors = Accessors(gltf, resolve)
+        self._curves = CurveReader(self._accessors, gltf.size)
+        self._warnings: list[str] = []
+
+    def read(self) -> SourceMotion:
+        """The animation with most channels on the dancer."""
+        animations = list_animations(self._root, self._nodes)
+        animated = {c.node for animation in animations for c in animation.channels if c.path != "scale"}
+        if not animated:
+            what = "an avatar (meshes and bones)" if self._root.length("skins") else "a model"
+            remedy = "export it with its animation, or take this avatar's motion file (.vrma, .bvh, .glb)"
+            raise MotionFileError(self._gltf.file, None, f"{what} without an animation that moves a joint", remedy)
+        figure = find_figure(self._root, self._nodes, animated)
+        self._warnings += figure.warnings
+        chains = self._chains(figure)
+        nodes = {node for chain in chains for node in chain}
+        animation = self._choose(animations, nodes)
+        channels = {(c.node, c.path): c for c in animation.channels if c.node in nodes}
+        return self._motion(figure, chains, channels)
+
+    def _choose(self, animations: list[Animation], nodes: set[int]) -> Animation:
+        counts = [sum(c.node in nodes and c.path != "scale" for c in a.channels) for a in animations]
+        best = int(np.argmax(counts))
+        if not counts[best]:
+            raise self._root.error("animations", "move no joint of the dancer", "a recorded dance expected")
+        others = [a.name for a, count in zip(animations, counts, strict=True) if count and a is not animations[best]]
+        if others:
+            names = ", ".join(shown(name) for name in others[:SHOWN_NAMES])
+            names += f" and {len(others) - SHOWN_NAMES} more" if len(others) > SHOWN_NAMES else ""
+            self._warnings.append(
+                f"{len(others) + 1} animations: {shown(animations[best].name)} moves most joints and is read, "
+                f"not {names}; to take another, export it alone"
+            )
+        return animations[best]
+
+    def _chains(self, figure: Figure) -> list[list[int]]:
+        """For each joint the nodes from below its parent joint (for the root: from the top) down to itself."""
+        chosen = set(figure.joints)
+        chains = []
+        for joint in figure.joints:
+            chain, node = [joint], self._nodes.parents[joint]
+            while node >= 0 and (node not in chosen or joint == figure.joints[0]):
+                chain.append(node)
+                node = self._nodes.parents[node]
+            chains.append(chain[::-1])
+        return chains
+
+    def _motion(
+        self, figure: Figure, chains: list[list[int]], channels: dict[tuple[int, str], Channel]
+    ) -> SourceMotion:
+        joint_count = len(figure.joints)
+        frames = self._curves.frames(list(channels.values()))
+        self._check_size(frames, joint_count)
+        places = {node: place for place, node in enumerate(figure.joints)}
+        parents = [self._parent(places, joint) for joint in figure.joints]
+        carrying = {node for place, chain in enumerate(chains) for node in (chain if place in parents else chain[:-1])}
+        local = LocalMotion(self._nodes, self._curves, channels, {node for chain in chains for node in chain}, carrying)
+        self._warnings += local.warnings
+        scales = np.empty(joint_count)
+        rest, moving = (_empty(count, joint_count) for count in (1, frames.count))
+        times = frames.times()
+        for place, chain in enumerate(chains):
+            above = 1.0 if parents[place] < 0 else float(scales[parents[place]])
+            still, moved = local.at_rest(chain, above), local.at(chain, above, times)
+            scales[place] = still.scale
+            for (translation, rotation), composed in ((rest, still), (moving, moved)):
+                translation[:, place], rotation[:, place] = composed.translation, composed.rotation
+        for translation, rotation in (rest, moving):
+            if figure.faces_back:
+                translation[:, 0] = quaternion.rotate(_HALF_TURN, translation[:, 0])
+                rotation[:, 0] = quaternion.mul(_HALF_TURN, rotation[:, 0])
+            if not (np.abs(translation) <= MAGNITUDE_LIMIT).all():  # catches NaN too
+                raise self._root.error("nodes", "are scaled or moved too far", "places of at most 1e7 m expected")
+        ends = [scales[place] * self._nodes.rest(node).translation for place, node in figure.ends]
+        widths = {"translation": 3, "rotation": 4, "scale": 3}
+        return SourceMotion(
+            file=self._gltf.file,
+            names=figure.names,
+            parents=_frozen(np.array(parents, np.int32)),
+            offsets=_frozen(rest[0][0]),
+            end_parents=_frozen(np.array([place for place, _ in figure.ends], np.int32)),
+            end_offsets=_frozen(np.array(ends, np.float64).reshape(-1, 3)),
+            translation=_frozen(moving[0]),
+            rotation=_frozen(moving[1]),
+            rest_rotation=_frozen(self._rest_rotation(figure, parents, rest[1][0])),
+            frame_time=1.0 / frames.rate,
+            frames_declared=frames.count,
+            channel_count=sum(widths[path] for _, path in channels),
+            unit_m=1.0,
+            up="Y",
+            root_offset="replace",
+            warnings=tuple(FileWarning(what) for what in self._warnings),
+        )
+
+    def _rest_rotation(self, figure: Figure, parents: list[int], nodes: Float64) -> Float64:
+        if figure.skin is None:
+            return nodes
+        skin = self._root.element("skins", figure.skin)
+        bound = bind_rotations(skin, skin.wholes("joints", below=self._nodes.count), self._accessors)
+        return rest_rotations(parents, nodes, [bound.get(joint) for joint in figure.joints])
+
+    def _check_size(self, frames: Frames, joints: int) -> None:
+        if frames.count * (56 * joints + 400) > _ROOM + 12 * self._gltf.size:
+            words = (
+                f"{frames.count} frames ({frames.rate:g} per second) of {joints} joints out of {self._gltf.size} bytes"
+            )
+            raise MotionFileError(self._gltf.file, None, words, "a shorter animation expected; cut it into pieces")
+
+    def _parent(self, places: dict[int, int], joint: int) -> int:
+        node = self._nodes.parents[joint]
+        while node >= 0 and node not in places:
+            node = self._nodes.parents[node]
+        return places.get(node, -1)
+
+
+def _empty(frames: int, joints: int) -> tuple[Float64, Float64]:
+    return np.empty((frames, joints, 3)), np.empty((frames, joints, 4))
+
+
+def _frozen(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

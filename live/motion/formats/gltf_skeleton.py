@@ -1,0 +1,301 @@
+"""The nodes of a glTF file: who hangs on whom, where each rests, and which of them are joints of the dancer.
+
+Which nodes of a glTF file are the dancer's joints: a VRM's humanoid bones, a skin's joints, or what moves.
+
+The rest pose that a skin was made in: a better one than the nodes' own, which is whatever pose was exported.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.gltf_accessors import Accessors
+from live.motion.formats.gltf_document import JsonPlace
+
+Float = npt.NDArray[np.floating]
+
+NODE_LIMIT: Final = 20_000
+UNEVEN: Final = 0.01
+"""Part by which the three factors of a scale may differ and still count as one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeRest:
+    """A node's own transformation as the file rests: scaled, then turned, then moved."""
+
+    translation: Float
+    """Shape (3,) [m]."""
+    rotation: Float
+    """Unit quaternion (w, x, y, z), shape (4,)."""
+    scale: Float
+    """Factors along x, y, z, shape (3,); all above zero."""
+
+
+class Nodes:
+    """The node tree of a file, checked: every node has at most one parent, and there are no circles."""
+
+    def __init__(self, root: JsonPlace) -> None:
+        self._root = root
+        self.count = root.length("nodes")
+        if self.count > NODE_LIMIT:
+            raise root.error("nodes", f"has {self.count} elements", f"at most {NODE_LIMIT} expected")
+        self.parents = [-1] * self.count
+        self.children: list[list[int]] = []
+        for index, node in enumerate(root.elements("nodes")):
+            self.children.append(node.wholes("children", below=self.count))
+            for child in self.children[-1]:
+                if self.parents[child] >= 0:
+                    raise node.error("children", f"names node {child}, which has a parent already", "a tree expected")
+                self.parents[child] = index
+        self.order = self._parents_first()
+
+    def _parents_first(self) -> list[int]:
+        waiting = [node for node in range(self.count) if self.parents[node] < 0][::-1]
+        order = []
+        while waiting:  # depth first
+            order.append(waiting.pop())
+            waiting += self.children[order[-1]][::-1]
+        if len(order) < self.count:
+            lost = sorted(set(range(self.count)) - set(order))[0]
+            raise self._root.error("nodes", f"hang on each other in a circle (node {lost})", "a tree expected")
+        return order
+
+    def place(self, node: int) -> JsonPlace:
+        """The JSON of one node."""
+        return self._root.element("nodes", node)
+
+    def name(self, node: int) -> str:
+        """Its name, or its number if it has none; on one line and of reasonable length."""
+        return " ".join(self.place(node).text("name").split())[:200] or f"node {node}"
+
+    def below(self, tops: set[int]) -> set[int]:
+        """These nodes and all that hang on them."""
+        found = set(tops)
+        waiting = list(tops)
+        while waiting:
+            news = [child for child in self.children[waiting.pop()] if child not in found]
+            found.update(news)
+            waiting += news
+        return found
+
+    def common(self, nodes: list[int]) -> int | None:
+        """The lowest node that is one of `nodes` or above, for all of them; None if they hang on different roots."""
+        wanted = set(nodes)
+        below = [0] * self.count
+        for node in reversed(self.order):
+            below[node] += node in wanted
+            if below[node] == len(wanted):
+                return node
+            if self.parents[node] >= 0:
+                below[self.parents[node]] += below[node]
+        return None
+
+    def rest(self, node: int) -> NodeRest:
+        """Its resting transformation, whether written as a matrix or as its three parts."""
+        place = self.place(node)
+        if place.has("matrix"):
+            return _of_matrix(place)
+        turn = np.array(place.numbers("rotation", 4, (0.0, 0.0, 0.0, 1.0)))
+        if np.linalg.norm(turn) < 1e-6:
+            raise place.error("rotation", "is zero", "a unit quaternion expected")
+        scale = np.array(place.numbers("scale", 3, (1.0, 1.0, 1.0)))
+        if not (scale > 1e-9).all():
+            raise place.error("scale", f"is {scale.tolist()}", "factors above zero expected; apply it and export again")
+        translation = np.array(place.numbers("translation", 3, (0.0, 0.0, 0.0)))
+        return NodeRest(translation, quaternion.unit(turn)[[3, 0, 1, 2]], scale)
+
+
+def _of_matrix(place: JsonPlace) -> NodeRest:
+    """Translation, rotation and scale of a matrix (column by column in the file); shear is refused."""
+    matrix = np.array(place.numbers("matrix", 16, ())).reshape(4, 4).T
+    scale = np.linalg.norm(matrix[:3, :3], axis=0)
+    if not (scale > 1e-9).all() or np.linalg.det(matrix[:3, :3] / scale) < 0.9:
+        raise place.error("matrix", "mirrors, shears or flattens", "apply the transformation and export again")
+    turn = quaternion.from_columns(*(matrix[:3, n] / scale[n] for n in range(3)))
+    return NodeRest(matrix[:3, 3].copy(), turn, scale)
+
+
+def even(scale: Float) -> float:
+    """One factor in place of three: their geometric mean."""
+    return float(np.exp(np.mean(np.log(scale))))
+
+
+def is_even(scale: Float) -> bool:
+    """Whether the three factors are the same within 1 %."""
+    return bool(scale.max() <= scale.min() * (1.0 + UNEVEN))
+
+
+JOINT_LIMIT: Final = 1000
+_END_WORDS: Final = ("end", "tip", "nub", "leaf", "site", "effector")
+_HUMANOIDS: Final = ("VRMC_vrm_animation", "VRMC_vrm")
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """The dancer among the nodes of a file."""
+
+    joints: tuple[int, ...]
+    """Nodes that are joints, parents first, the root first; the root has all others below it."""
+    names: tuple[str, ...]
+    """Their names: the humanoid bones' in a VRM (the engine's own words), else the nodes'."""
+    ends: tuple[tuple[int, int], ...]
+    """Leaf nodes that only mark where a bone ends, as (joint's place in `joints`, node)."""
+    skin: int | None
+    """The skin whose bind pose is the rest pose; None for a VRM (its nodes rest in T-pose) and without skins."""
+    faces_back: bool
+    """True for VRM 0.x, whose models face -z."""
+    warnings: tuple[str, ...]
+
+
+def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
+    """The dancer: the humanoid of a VRM or VRMA file, else the skeleton with most `animated` joints.
+
+    Raises MotionFileError if nothing is animated or if there are more than 1000 joints.
+    """
+    warnings: list[str] = []
+    bones, faces_back = _humanoid(root, nodes)
+    skin: int | None = None
+    if bones:
+        chosen = set(bones)
+    else:
+        chosen, skin = _skeleton(root, nodes, animated, warnings)
+    top = nodes.common(sorted(chosen))
+    if top is None:
+        raise root.error("nodes", "with motion do not hang together", "one figure (armature) expected")
+    chosen.add(top)
+    joints = [node for node in nodes.order if node in chosen]
+    if len(joints) > JOINT_LIMIT:
+        raise root.error("skins", f"have {len(joints)} joints", f"at most {JOINT_LIMIT} expected")
+    names = _unlike([bones.get(node) or nodes.name(node) for node in joints], keep=set(bones.values()))
+    ends = tuple(
+        (place, child)
+        for place, node in enumerate(joints)
+        for child in nodes.children[node]
+        if child not in chosen and not nodes.children[child] and _marks_end(nodes, child)
+    )
+    return Figure(tuple(joints), tuple(names), ends[:JOINT_LIMIT], skin, faces_back, tuple(warnings))
+
+
+def _marks_end(nodes: Nodes, node: int) -> bool:
+    place = nodes.place(node)
+    words = nodes.name(node).lower()
+    return not place.has("mesh") and not place.has("camera") and any(words.endswith(word) for word in _END_WORDS)
+
+
+def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
+    """Node → humanoid bone, and whether the model faces -z; empty for a file that is no VRM."""
+    if not root.has("extensions"):
+        return {}, False
+    extensions = root.object("extensions")
+    for name in _HUMANOIDS:
+        if extensions.has(name) and extensions.object(name).has("humanoid"):
+            bones = extensions.object(name).object("humanoid").object("humanBones")
+            found = {bones.object(bone).whole("node", below=nodes.count): bone for bone in bones.names()}
+            return found, False
+    if extensions.has("VRM") and extensions.object("VRM").has("humanoid"):  # VRM 0.x
+        humanoid = extensions.object("VRM").object("humanoid")
+        rows = humanoid.elements("humanBones")
+        return {row.whole("node", below=nodes.count): row.text("bone") for row in rows if row.text("bone")}, True
+    return {}, False
+
+
+def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[str]) -> tuple[set[int], int | None]:
+    """Joints of the skin with most animated joints (and its number) and of all below; without skins all that moves."""
+    skins = [skin.wholes("joints", below=nodes.count) for skin in root.elements("skins")]
+    scores = [len(animated.intersection(joints)) for joints in skins]
+    if not any(scores):
+        return _moving_tree(root, nodes, animated), None
+    best = int(np.argmax(scores))
+    chosen = set(skins[best])
+    top = nodes.common(sorted(chosen))
+    below = set() if top is None else nodes.below({top})
+    others = 0
+    for joints, score in zip(skins, scores, strict=True):
+        if below.isdisjoint(joints):
+            others += score > 0
+        else:
+            chosen.update(below.intersection(joints))
+    if others:
+        warnings.append(
+            f"{others + 1} skeletons move in the file: the one with most moving joints is read, the one of "
+            f"{nodes.name(skins[best][0])!r}"
+        )
+    return chosen, best
+
+
+def _moving_tree(root: JsonPlace, nodes: Nodes, animated: set[int]) -> set[int]:
+    """Without skins: of the tree with most animated nodes these and all below them, meshes and cameras left out."""
+    if not animated:
+        raise MotionFileError(root.file, None, "no node is animated", "a file with a recorded motion expected")
+    trees = [nodes.below({top}) & animated for top in nodes.order if nodes.parents[top] < 0]
+    moving = max(trees, key=len)
+    helpers = (nodes.place(node) for node in range(nodes.count))
+    bare = {n for n, place in enumerate(helpers) if not place.has("mesh") and not place.has("camera")}
+    return moving | (nodes.below(moving) & bare)
+
+
+def _unlike(names: list[str], keep: set[str]) -> list[str]:
+    """Names of which no two are alike: later ones get a number; those in `keep` are theirs alone."""
+    taken = set(keep)
+    result = []
+    for name in names:
+        if name in keep:
+            keep = keep - {name}
+        elif name in taken:
+            number = 2
+            while f"{name}.{number}" in taken:
+                number += 1
+            name = f"{name}.{number}"
+        taken.add(name)
+        result.append(name)
+    return result
+
+
+Float64 = npt.NDArray[np.float64]
+
+SKEWED: Final = 0.05
+"""Where a bind matrix is further than this from rotation times one factor, it is passed over."""
+
+
+def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> dict[int, Float]:
+    """World rotation of each joint node when the skin was bound, quaternions (4,); empty where the skin says nothing.
+
+    The inverse of an inverse bind matrix is where the joint was in the mesh's space; what turns that space as a whole
+    is left out, and does not matter to what compares a pose with its own rest pose.
+    """
+    if not skin.has("inverseBindMatrices"):
+        return {}
+    matrices = accessors.read(skin.whole("inverseBindMatrices", below=1 << 40), "MAT4")
+    if len(matrices) < len(joints):
+        words = f"has {len(matrices)} matrices for {len(joints)} joints"
+        raise skin.error("inverseBindMatrices", words, "one for each joint expected")
+    found: dict[int, Float] = {}
+    for joint, numbers in zip(joints, matrices, strict=False):
+        columns = numbers.reshape(4, 4)[:3, :3]  # the file holds column after column: the rows here are columns
+        size = np.cbrt(np.linalg.det(columns))
+        if size > 1e-9 and np.abs(columns @ columns.T / size**2 - np.eye(3)).max() < SKEWED:
+            turn = quaternion.from_columns(*quaternion.unit(columns))
+            found[joint] = quaternion.inverse(turn)
+    return found
+
+
+def rest_rotations(parents: list[int], nodes: Float64, bound: list[Float | None]) -> Float64:
+    """Local rotations of the rest pose, (J, 4): those of the skin where it knows them, else those of the nodes.
+
+    `nodes` (J, 4) are the nodes' own local rotations, `bound` the skin's world rotations; parents come first.
+    """
+    world = np.empty_like(nodes)
+    local = np.empty_like(nodes)
+    for joint, parent in enumerate(parents):
+        known = bound[joint]
+        if parent < 0:
+            world[joint] = nodes[joint] if known is None else known
+            local[joint] = world[joint]
+        else:
+            world[joint] = quaternion.mul(world[parent], nodes[joint]) if known is None else known
+            local[joint] = quaternion.mul(quaternion.inverse(world[parent]), world[joint])
+    return local

@@ -1,0 +1,120 @@
+"""How near an answer is to what the real follower did, and how it keeps time (H022, motion quality).
+
+Found holds: who held whose hand in a pair of recordings that nobody annotated, by how near the palms were.
+
+Ours; the paper has annotations made by hand (H014). Bodies that were brought onto one skeleton have their hands a
+little elsewhere than the dancers had, so nobody but who gives the recordings knows how near is a hold.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion.clip import Clip
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.partner.answer import palms
+from live.motion.partner.units import Hold
+from live.motion.quality.metrics import mean_speed, motion_beats, offsets, skates, slides
+
+Float64 = npt.NDArray[np.float64]
+
+
+def joints_of(clip: Clip) -> Float64:
+    """World positions of all joints [m], (T, J, 3)."""
+    positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    return np.asarray(positions, np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Of a follower against the real one, who danced with the same leader in the same frame of the world."""
+
+    joint_m: float
+    """Mean distance of the joints [m]."""
+    aligned_m: float
+    """The same, each pose turned about the vertical and moved over the floor to where it fits best."""
+    hip_distance_m: float
+    """Mean difference of the distances between leader's and follower's hips [m]."""
+    velocity_m_s: float
+    """Mean difference of the joints' velocities [m/s]."""
+
+
+def errors(follower: Float64, truth: Float64, leader: Float64, rate: float) -> Errors:
+    """Joints (T, J, 3) [m] of all three, `rate` samples a second; the shortest of them counts."""
+    count = min(len(follower), len(truth), len(leader))
+    follower, truth, leader = follower[:count], truth[:count], leader[:count]
+    joint = float(np.linalg.norm(follower - truth, axis=-1).mean())
+    apart = [np.linalg.norm(one[:, 0] - leader[:, 0], axis=-1) for one in (follower, truth)]
+    velocity = np.diff(follower, axis=0) * rate - np.diff(truth, axis=0) * rate
+    return Errors(
+        joint,
+        _aligned(follower, truth),
+        float(np.abs(apart[0] - apart[1]).mean()),
+        float(np.linalg.norm(velocity, axis=-1).mean()) if count > 1 else 0.0,
+    )
+
+
+def _aligned(one: Float64, other: Float64) -> float:
+    a, b = (points[..., 2] + 1j * points[..., 0] for points in (one, other))
+    a, b = a - a.mean(axis=1, keepdims=True), b - b.mean(axis=1, keepdims=True)
+    product = (a.conj() * b).sum(axis=1)
+    turn = np.where(np.abs(product) > 1e-12, product / np.maximum(np.abs(product), 1e-12), 1.0)
+    left = np.abs(turn[:, None] * a - b) ** 2 + (one[..., 1] - other[..., 1]) ** 2
+    return float(np.sqrt(left).mean())
+
+
+def slide(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> dict[str, float | None]:
+    """foot_slide_mean, foot_slide_p99 [m/s] and skating_ratio of joints (T, J, 3) with contacts (T, 2)."""
+    speeds = slides(positions, contact, rate)
+    found = skates(positions, rate)
+    return {
+        "foot_slide_mean": float(speeds.mean()) if speeds.size else None,
+        "foot_slide_p99": float(np.percentile(speeds, 99)) if speeds.size else None,
+        "skating_ratio": float(found.mean()) if found.size else None,
+    }
+
+
+def kinematic_offsets(positions: Float64, beats: Float64, rate: float) -> Float64:
+    """From each of the `beats` (n,) [s] to the nearest beat of the motion (T, J, 3) [s], (n,)."""
+    return offsets(beats, motion_beats(mean_speed(positions, rate), rate))
+
+
+LETS_GO: Final = 1.5
+"""A hold goes on until palms are this many times as far apart as it may begin at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """What counts as a hold: palms within `distance` [m], and never much farther for `seconds` at least."""
+
+    distance: float
+    seconds: float
+
+
+def found_holds(leader: Clip, follower: Clip, near: Near) -> tuple[Hold, ...]:
+    """The holds of two recordings that belong together sample by sample, in their order, in samples.
+
+    Each hand holds one at a time, the nearest that is free, until it lets go of it.
+    """
+    count = min(leader.sample_count, follower.sample_count)
+    lead, own = palms(leader)[:count], palms(follower)[:count]
+    apart = np.linalg.norm(lead[:, :, None] - own[:, None], axis=-1)  # (T, leader's hand, follower's hand)
+    long = [
+        one for one in _runs(apart, near.distance) if one.end - one.begin >= near.seconds * follower.sample_rate - 1e-6
+    ]
+    return tuple(sorted(long, key=lambda one: (one.begin, one.follower_hand)))
+
+
+def _runs(apart: npt.NDArray[np.float64], distance: float) -> list[Hold]:
+    """All holds, however short, of palms that are so far `apart` (T, 2, 2) [m]."""
+    runs: list[Hold] = []
+    begun: dict[tuple[int, int], int] = {}
+    for sample, gaps in enumerate(apart.tolist()):
+        for hands in [hands for hands in begun if gaps[hands[0]][hands[1]] > LETS_GO * distance]:
+            runs.append(Hold(*hands, float(begun.pop(hands)), sample - 1.0))
+        for gap, hands in sorted((gaps[one][other], (one, other)) for one in range(2) for other in range(2)):
+            if gap <= distance and not any(hands[0] == one or hands[1] == other for one, other in begun):
+                begun[hands] = sample
+    return runs + [Hold(*hands, float(first), len(apart) - 1.0) for hands, first in begun.items()]

@@ -1,0 +1,241 @@
+"""Sketched pairs: examples for a partner made of single steps, for who has no recordings of two.
+
+A step's follower is whichever step of the library, as it is or backward in time, goes along with it best when she who
+dances it stands opposite: who steps to her left is followed to the other one's right, who walks forward is met by a
+walk backward. So both keep their distance, and their feet do not meet. Ours; the paper has recorded pairs alone.
+
+Sketched walks: examples for who walks along a way, made of a step that goes forward (H017, H019).
+
+A sketched walk goes straight, at a few speeds. Between these, and round bends, it is led here: strides are mixed, ways
+are bent, and feet that stand are held where they stand. Ours; the paper has two minutes of a recorded walk.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip, read_clip
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.partner.answer import enforce_feet
+from live.motion.partner.evaluation import Near, found_holds
+from live.motion.partner.point_clouds import END_JOINTS, Cloud, cloud_of, ends_cloud, path_cloud
+from live.motion.partner.units import Example, Units, cut_units
+from live.motion.step_clip import StepClip
+
+Float = npt.NDArray[np.floating]
+Float64 = npt.NDArray[np.float64]
+
+APART: Final = 1.0
+"""How far the two stand from each other [m]."""
+PASSES: Final = 2
+"""Each step is danced so often in a row: whoever follows dances on until the next unit is clear."""
+MEETS: Final = 0.1
+"""Half the samples over which the second pass comes out of the first, as a share of a measure."""
+FEET: Final = 4.0
+"""How much a metre between the heights of feet that face each other counts beside one between hips."""
+OTHER: Final = 0.004
+"""What another step must be better by to be taken [m²]."""
+MOMENTS: Final = 16
+"""Moments of a measure at which steps are compared."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Danced:
+    """A step danced over and over, or backward."""
+
+    step: str
+    clip: Clip
+    ends: Cloud
+    way: Float64
+    """Of the hips, seen by her who faces 0 at the beginning, (M, 2) [m]."""
+    feet: Float64
+    """Heights of left and right foot, (M, 2) [m]."""
+
+
+def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | None = None) -> Units:
+    """Units of `unit_beats` of all `clips`, which have one metre and tempo; ValueError if none is long enough.
+
+    Whose hands are so `near` to each other hold them; without that nobody holds any.
+    """
+    found: list[Example] = []
+    for measures in sorted({clip.measures for clip in clips}):
+        steps = [clip for clip in clips if clip.measures == measures and clip.beats % unit_beats == 0]
+        if not steps:
+            continue
+        follows = _danced(steps, [danced_again(step, back=False) for step in steps])
+        follows += _danced(steps, [danced_again(step, back=True) for step in steps])
+        best = np.argmin(_costs(follows, len(steps)), axis=1)
+        pairs = zip(steps, follows[: len(steps)], best.tolist(), strict=True)
+        found += [_pair(step, lead, follows[n], unit_beats, near) for step, lead, n in pairs]
+    if not found:
+        raise ValueError(f"no step is a whole number of times {unit_beats} beats long")
+    return cut_units(found)
+
+
+def _pair(step: StepClip, lead: _Danced, best: _Danced, unit_beats: int, near: Near | None) -> Example:
+    beat = step.samples_per_measure / step.beats_per_measure
+    cuts = np.asarray(np.arange(step.beats // unit_beats + 1) * beat * unit_beats, np.float64)
+    beats = np.asarray(np.arange(PASSES * step.beats + 1) * beat, np.float64)
+    target = best.ends.moved(complex(-1.0), complex(APART))
+    follower = _opposite(best.clip)
+    holds = () if near is None else found_holds(lead.clip, follower, near)
+    return Example(step.step, lead.ends, target, follower, cuts, beats, holds)
+
+
+def _costs(danced: Sequence[_Danced], count: int) -> Float64:
+    """How badly each of all n goes along, opposite, with each of the first `count`, (count, n)."""
+    way, feet = np.stack([one.way for one in danced]), np.stack([one.feet for one in danced])
+    names = np.array([one.step for one in danced])
+    found = OTHER * (names[:count, None] != names[None])
+    for row in range(count):
+        apart = way[row] + way  # opposite, every way is turned about
+        amiss = feet[row] - feet[:, :, ::-1]
+        found[row] += (apart**2).sum(axis=2).mean(axis=1) + FEET * (amiss**2).mean(axis=(1, 2))
+    return np.asarray(found, np.float64)
+
+
+def _danced(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_Danced]:
+    """What is looked at of the `clips` of `steps`: forward kinematics of all at once."""
+    root = np.concatenate([clip.root_position for clip in clips]).astype(np.float64)
+    rotation = np.concatenate([clip.rotation for clip in clips]).astype(np.float64)
+    ends = forward_kinematics(root, rotation)[0][:, END_JOINTS]
+    parts = np.split(ends, np.cumsum([clip.sample_count for clip in clips])[:-1])
+    found = []
+    for step, clip, points in zip(steps, clips, parts, strict=True):
+        count = step.measures * step.samples_per_measure
+        at = np.linspace(0.0, count, MOMENTS * step.measures + 1).round().astype(np.int64)
+        way = clip.root_position[at][:, (0, 2)].astype(np.float64)
+        found.append(
+            _Danced(step.step, clip, cloud_of(points, clip.sample_rate), way, np.asarray(points[at, 2:, 1], np.float64))
+        )
+    return found
+
+
+def danced_again(step: StepClip, *, back: bool) -> Clip:
+    """The measures of a step PASSES times in a row, at the origin, facing 0; `back` in time."""
+    count = round(step.measures * step.samples_per_measure)
+    read = read_clip(step.clip, step.first + np.arange(count + 1.0))
+    root, rotation, contact = np.asarray(read[0], np.float64), np.asarray(read[1], np.float64), read[2]
+    if back:
+        root, rotation, contact = root[::-1], rotation[::-1], contact[::-1]
+    roots, rotations, contacts = [root], [rotation], [contact]
+    for _ in range(PASSES - 1):
+        turn, place = _heading(rotations[-1][-1, 0]) - _heading(rotation[0, 0]), roots[-1][-1]
+        moved, turned = _turned(root - root[0] * (1.0, 0.0, 1.0), rotation, turn)
+        moved = moved + place * (1.0, 0.0, 1.0)
+        w = _coming(count + 1, MEETS * step.samples_per_measure)
+        turned = np.asarray(quaternion.slerp(rotations[-1][-1][None], turned, w[:, None]), np.float64)
+        moved[:, 1] = (1.0 - w) * place[1] + w * moved[:, 1]
+        roots, rotations, contacts = [*roots, moved[1:]], [*rotations, turned[1:]], [*contacts, contact[1:]]
+    root, rotation = np.concatenate(roots), np.concatenate(rotations)
+    root, rotation = _turned(root - root[0] * (1.0, 0.0, 1.0), rotation, -_heading(rotation[0, 0]))
+    rotation = np.asarray(quaternion.continuous(quaternion.unit(rotation)), np.float64)
+    return Clip(
+        step.clip.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32),
+        step.clip.sample_rate, np.ascontiguousarray(np.concatenate(contacts)),
+    )  # fmt: skip
+
+
+def _coming(count: int, size: float) -> Float64:
+    """From 0 at the first sample to 1 from `size` samples on, smoothly."""
+    t = np.clip(np.arange(count) / max(size, 1.0), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
+def _opposite(clip: Clip) -> Clip:
+    """The clip danced APART in front of who stands at the origin, facing her."""
+    root, rotation = _turned(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64), np.pi)
+    root[:, 2] += APART
+    return Clip(
+        clip.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32),
+        clip.sample_rate, clip.contact,
+    )  # fmt: skip
+
+
+def _turned(root: Float, rotation: Float, yaw: float) -> tuple[Float64, Float64]:
+    """Turned about the vertical through the origin by `yaw` [rad]."""
+    z = np.exp(1j * yaw) * (root[:, 2] + 1j * root[:, 0])
+    turn = np.array((np.cos(0.5 * yaw), 0.0, np.sin(0.5 * yaw), 0.0))
+    rotation = np.array(rotation, np.float64)
+    rotation[:, 0] = quaternion.mul(turn, rotation[:, 0])
+    return np.asarray(np.stack((z.imag, root[:, 1], z.real), axis=1), np.float64), np.asarray(rotation, np.float64)
+
+
+def _heading(rotation: Float) -> float:
+    """Where hips of this rotation face [rad]."""
+    ahead = quaternion.rotate(rotation, np.array((0.0, 0.0, 1.0)))
+    return float(np.arctan2(ahead[0], ahead[2]))
+
+
+BENDS: Final = (0.0, 0.5, -0.5, 1.0, -1.0)
+"""By so much [rad] ways turn in a measure, towards +x."""
+STRIDES: Final = 2
+"""So many strides are mixed between two that are sketched, the slower one among them."""
+LONGER: Final = 1.7
+"""The longest stride is so far beyond the one before, where 1 is the longest sketched one."""
+SIDEWAYS: Final = 0.1
+"""Who goes this far [m] to a side in a measure, or backward, does not walk forward."""
+
+
+def sketched_walks(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
+    """Units of walking forward: of those `clips` that do; ValueError if none does."""
+    ahead: dict[str, list[tuple[float, StepClip, Clip]]] = {}
+    for step in clips:
+        clip = danced_again(step, back=False)
+        way = clip.root_position[round(step.measures * step.samples_per_measure)].astype(np.float64)
+        if abs(way[0]) < SIDEWAYS * step.measures and way[2] > -SIDEWAYS * step.measures and not step.mirrored:
+            ahead.setdefault(step.step, []).append((float(way[2]) / step.measures, step, clip))
+    found = [one for name in sorted(ahead) for one in _of_step(name, ahead[name], unit_beats)]
+    if not found:
+        raise ValueError("no step goes forward")
+    return cut_units(found)
+
+
+def _of_step(name: str, known: list[tuple[float, StepClip, Clip]], unit_beats: int) -> list[Example]:
+    """Examples of one step, whose strides are `known` with their lengths [m] a measure."""
+    if max(way for way, _, _ in known) < SIDEWAYS:
+        return []
+    known = sorted(known, key=lambda one: one[0])
+    beat = known[0][1].samples_per_measure / known[0][1].beats_per_measure
+    cuts = np.asarray(np.arange(PASSES * known[0][1].beats // unit_beats) * beat * unit_beats, np.float64)
+    strides = [known[-1][2]]
+    for (_, _, one), (_, _, other) in pairwise(known):
+        if one.sample_count == other.sample_count:
+            strides += [_mixed(one, other, n / STRIDES) for n in range(STRIDES)]
+    if len(known) > 1 and known[-2][2].sample_count == known[-1][2].sample_count:
+        strides.append(_mixed(known[-2][2], known[-1][2], LONGER))
+    bent = [_bent(clip, bend / (beat * known[0][1].beats_per_measure)) for clip in strides for bend in BENDS]
+    return [Example(name, path_cloud(clip), ends_cloud(clip), clip, cuts, np.zeros(0)) for clip in bent]
+
+
+def _mixed(one: Clip, other: Clip, share: float) -> Clip:
+    root = (1.0 - share) * one.root_position + share * other.root_position
+    rotation = quaternion.slerp(one.rotation, other.rotation, np.full(one.rotation.shape[:2], share))
+    return Clip(
+        one.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32), one.sample_rate,
+        one.contact & other.contact,
+    )  # fmt: skip
+
+
+def _bent(clip: Clip, turn: float) -> Clip:
+    """The clip on a way that turns by `turn` [rad] in every sample; feet that stand are held."""
+    if turn == 0.0:
+        return clip
+    yaw = turn * np.arange(clip.sample_count)
+    root = clip.root_position.astype(np.float64)
+    steps = np.diff(root[:, 2] + 1j * root[:, 0]) * np.exp(0.5j * (yaw[1:] + yaw[:-1]))
+    place = np.concatenate(([0.0], np.cumsum(steps)))
+    rotation = clip.rotation.astype(np.float64)
+    zero = np.zeros_like(yaw)
+    about = np.stack((np.cos(0.5 * yaw), zero, np.sin(0.5 * yaw), zero), axis=-1)
+    rotation[:, 0] = quaternion.mul(about, rotation[:, 0])
+    bent = Clip(
+        clip.name, np.ascontiguousarray(np.stack((place.imag, root[:, 1], place.real), axis=1), np.float32),
+        np.ascontiguousarray(rotation, np.float32), clip.sample_rate, clip.contact,
+    )  # fmt: skip
+    return enforce_feet(bent)

@@ -1,0 +1,284 @@
+"""LivePartner: the follower's pose for every frame of a leader; she never waits, and nothing jumps (H024).
+
+As long as it is not clear what is danced now, she dances on in the recording that she is in; once it is clear, or half
+of the unit is over, she goes over to the unit that answers, and what differs in pose and speed fades. Where she is, is
+less of a guess than what she does: her place is the mean over all that may be danced (`LiveReader.expected`).
+
+Placing: where what she dances lies on the floor, brought to where she is expected without a jump.
+
+A recording is laid on the floor by a rigid motion M. It follows where the hips are expected, as far as feet allow: the
+floor under a foot that stands does not move fast.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.partner_live.online_decoder import Guess, LiveReader
+
+FREE: Final = 0.08
+"""Time constant [s] with which she takes her place while no foot stands."""
+STANDS: Final = 0.2
+"""The same while one does."""
+EASES: Final = 0.05
+"""Time constant [s] of the speed with which she does so."""
+FASTEST: Final = 1.5
+"""She is moved no faster than this [m/s] besides what she dances ..."""
+QUICKEST: Final = 4.5
+"""... and turned no faster than this [rad/s]; twice as fast off a leader whom she is too near to, ..."""
+STILL: Final = 0.4
+"""... and by this share of it while a foot stands."""
+
+
+class Placing:
+    """M and how fast it changes: plain values."""
+
+    def __init__(self) -> None:
+        self.turn, self.shift = complex(1.0), complex(0.0)
+        """M: a point z + i x of the recording lies at turn * point + shift."""
+        self._last_turn, self._last_shift = self.turn, self.shift
+        self._speed, self._turning = complex(0.0), 0.0
+
+    def lay(self, root: complex, facing: complex, place: complex, front: complex) -> None:
+        """The M that brings the recording's hips at `root` to `place`, and where they face, `facing`, to `front`; it
+        goes on moving as it did."""
+        self.turn = front / facing
+        self.turn /= abs(self.turn)
+        self.shift = place - self.turn * root
+        self.rest()
+
+    def rest(self) -> None:
+        """M stays as it is until it follows again."""
+        self._last_turn, self._last_shift = self.turn, self.shift
+
+    def follow(
+        self, root: complex, facing: complex, wanted: tuple[complex, complex], dt: float, *, stands: bool, near: bool
+    ) -> None:
+        """M `dt` [s] later, on its way to where hips at `root` that face `facing` lie at the `wanted` place and face
+        as wanted. She turns about her hips, so that she is never swung round. While a foot `stands` that is slow;
+        where she is too `near` to the leader, never."""
+        slow = stands and not near
+        seconds, eased = STANDS if slow else FREE, 1.0 - float(np.exp(-dt / EASES))
+        share = STILL if slow else 2.0 if near else 1.0
+        here = self.turn * root + self.shift
+        away = float(np.angle(wanted[1] / (self.turn * facing)))
+        speed, turning = (wanted[0] - here) / seconds, away / seconds
+        speed *= min(1.0, share * FASTEST / max(abs(speed), 1e-9))
+        turning = min(max(turning, -share * QUICKEST), share * QUICKEST)
+        self._speed += eased * (speed - self._speed)
+        self._turning += eased * (turning - self._turning)
+        self.drift(root, dt)
+
+    def drift(self, root: complex, dt: float) -> None:
+        """M `dt` [s] later as it moves now, hips at `root`."""
+        self.rest()
+        here = self.turn * root + self.shift
+        turned = self.turn * np.exp(1j * self._turning * dt)
+        self.turn = complex(turned / abs(turned))
+        self.shift = complex(here + self._speed * dt - self.turn * root)
+
+    def at(self, part: float) -> tuple[complex, complex]:
+        """M at `part` of the way from the last frame to this one: as a turn and a shift."""
+        turn = self._last_turn * np.exp(1j * part * float(np.angle(self.turn / self._last_turn)))
+        return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
+
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+LATEST: Final = 0.5
+"""Before more of a unit than this is over it is decided."""
+EARLIEST: Final = 0.35
+"""So much of a unit is waited for before it is answered."""
+SWITCH: Final = 0.02
+"""Within a unit she goes over to what is better than hers by this [m² a point], by less the later it is."""
+SLACK: Final = 1e-9
+"""Against rounding."""
+DECIDED: Final = 0.6
+"""What begins before so much of her unit is over is no answer to what comes next."""
+FADE: Final = 0.35
+"""Seconds in which what differs between two units fades."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LivePose:
+    """One pose of the follower."""
+
+    root: Float64
+    """(3,) [m]"""
+    rotation: Float64
+    """Local rotations (J, 4)."""
+    contact: Bool
+    """(2,)"""
+
+
+class LivePartner:
+    """Follows one leader. State is plain values; frames and poses follow from what came in alone."""
+
+    def __init__(self, reader: LiveReader) -> None:
+        self.reader = reader
+        self.unit = -1
+        """The unit that is danced, -1 before the first."""
+        self.begin = 0
+        """Frame at which it began."""
+        self.seen: list[tuple[int, int, float]] = []
+        """What was decided at the latest frame: (unit, begin, share of the unit that was over)."""
+        self._step = 1.0
+        self._source = 0.0
+        self._placing = Placing()
+        joints = reader.units.examples[0].follower.rotation.shape[1]
+        self._offset, self._speed = np.zeros((1 + joints, 3)), np.zeros((1 + joints, 3))
+        self._age = FADE
+
+    def frame(
+        self, floor: npt.NDArray[np.complex128], height: Float64, *, boundary: bool, unit_frames: float | None
+    ) -> None:
+        """The leader's next frame, see `LiveReader.frame`."""
+        self.reader.frame(floor, height, boundary=boundary, unit_frames=unit_frames)
+        dt = 1.0 / self.reader.rate
+        self.seen.clear()
+        if self.unit >= 0:
+            self._source += self._step
+            self._age += dt
+        guess = self._guess()
+        if guess is not None:
+            self._go_over(guess)
+        elif self.unit >= 0:
+            self._settle(dt)
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a pose yet."""
+        return self.unit >= 0
+
+    @property
+    def place(self) -> float:
+        """Sample of her unit's recording that she dances at the latest frame; only where something is `known`."""
+        return self._source
+
+    @property
+    def pace(self) -> float:
+        """Samples of it that she dances in a second."""
+        return self._step * self.reader.rate
+
+    def _guess(self) -> Guess | None:
+        """What she goes over to now, if there is something.
+
+        In the first half of a unit that is the best guess, if it is better than hers by SWITCH; then what she dances is
+        decided until the next unit begins.
+        """
+        if self.unit < 0:
+            return self.reader.guess()
+        frames = float(self.reader.units.length[self.unit]) / self._step
+        seen = (self.reader.at - self.begin) / frames
+        mended = seen <= LATEST + SLACK
+        guess = self.reader.guess(self.begin - round((1.0 - DECIDED) * frames) if mended else
+                                  self.begin + round(DECIDED * frames))  # fmt: skip
+        if guess is None or (guess.unit, guess.begin) == (self.unit, self.begin):
+            return None
+        if guess.begin >= self.begin + DECIDED * frames:
+            return guess if guess.seen >= EARLIEST else None
+        margin = SWITCH * self.reader.points * max(1.0 - (seen - EARLIEST) / (LATEST - EARLIEST), 0.0)
+        better = guess.worth + margin < self.reader.worth(self.unit, self.begin)
+        return guess if guess.seen <= LATEST + SLACK and better else None
+
+    def _go_over(self, guess: Guess) -> None:
+        if self.unit < 0:
+            self._enter(guess)
+            expected = self.reader.expected() or (guess.turn * self._rooted[0] + guess.shift, guess.turn)
+            self._placing.lay(*self._rooted, *expected)
+            return
+        self._placing.rest()
+        place, speed = self._motion(self._source)
+        bent = self._bent(0.0)
+        stood = self._stood(bent[0])
+        self._enter(guess)
+        self._placing.lay(*self._rooted, *stood)
+        new_place, new_speed = self._motion(self._source)
+        offset = np.empty_like(self._offset)
+        offset[0] = place[0] + bent[0][0] - new_place[0]
+        old = quaternion.mul(place[1], quaternion.from_rotation_vector(bent[0][1:]))
+        offset[1:] = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(new_place[1]), old))
+        self._speed = speed + bent[1] - new_speed
+        self._offset, self._age = offset, 0.0
+        self._placing.drift(self._rooted[0], 1.0 / self.reader.rate)
+
+    def _enter(self, guess: Guess) -> None:
+        self.seen.append((guess.unit, guess.begin, guess.seen))
+        self.unit, self.begin, self._step = guess.unit, guess.begin, guess.step
+        self._source = float(self.reader.units.start[guess.unit]) + (self.reader.at - guess.begin) * guess.step
+
+    @property
+    def _rooted(self) -> tuple[complex, complex]:
+        """Where her recording has her hips, and where they face."""
+        return self.reader.rooted(self.unit, self._source)
+
+    def _stood(self, bent: Float64) -> tuple[complex, complex]:
+        """Where her hips are on the floor, and where they face."""
+        root, rotation = self._sampled(self._source)
+        hips = quaternion.mul(rotation[0], quaternion.from_rotation_vector(bent[1]))
+        front = quaternion.rotate(hips, np.array((0.0, 0.0, 1.0)))
+        facing = complex(front[2], front[0])
+        facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
+        return complex(root[2] + bent[0, 2], root[0] + bent[0, 0]), facing
+
+    def _motion(self, source: float) -> tuple[tuple[Float64, Float64], Float64]:
+        """Root and rotations of her unit at a sample of its recording, and their speeds [1/s]."""
+        here, rotation = self._sampled(source)
+        there, other = self._sampled(source + self._step, 1.0)
+        turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(rotation), other))
+        speed = np.concatenate(((there - here)[None], turn)) * self.reader.rate
+        return (here, rotation), np.asarray(speed, np.float64)
+
+    def _sampled(self, source: float, placed: float = 0.0) -> tuple[Float64, Float64]:
+        """Root and rotations of her unit there; M is `placed` of its way from the last frame to this one."""
+        clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
+        source = min(max(source, 0.0), clip.sample_count - 1.0)
+        low = min(int(source), clip.sample_count - 2)
+        w = source - low
+        root = (1.0 - w) * clip.root_position[low].astype(np.float64) + w * clip.root_position[low + 1]
+        one = clip.rotation[low].astype(np.float64)
+        two = clip.rotation[low + 1].astype(np.float64)
+        rotation = np.asarray(quaternion.slerp(one, two, np.full(len(one), w)), np.float64)
+        turn, shift = self._placing.at(placed)
+        place = turn * complex(root[2], root[0]) + shift
+        half = 0.5 * float(np.angle(turn))
+        rotation[0] = quaternion.mul(np.array((np.cos(half), 0.0, np.sin(half), 0.0)), rotation[0])
+        return np.array((place.imag, root[1], place.real)), rotation
+
+    def _contact(self, part: float) -> Bool:
+        """Which feet her recording has on the floor `part` of a frame after the latest one, (2,)."""
+        clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
+        return np.asarray(clip.contact[min(max(round(self._source + self._step * part), 0), clip.sample_count - 1)])
+
+    def _bent(self, ahead: float) -> tuple[Float64, Float64]:
+        """What is left of the last change: offset and its speed, `ahead` [s] after the latest frame (a quintic)."""
+        t = min((self._age + ahead) / FADE, 1.0)
+        rest = 1.0 - t
+        place, moving = rest**3 * (1.0 + 3.0 * t + 6.0 * t * t), FADE * t * rest**3 * (1.0 + 3.0 * t)
+        falls = -30.0 * t * t * rest**2 / FADE
+        slows = rest**2 * (1.0 + 2.0 * t - 15.0 * t * t)
+        return place * self._offset + moving * self._speed, falls * self._offset + slows * self._speed
+
+    def _settle(self, dt: float) -> None:
+        """Towards where she is expected, off the leader where she is too near."""
+        place, facing = self._rooted
+        here = self._placing.turn * place + self._placing.shift
+        expected = self.reader.expected()
+        if expected is None:
+            expected = here, self._placing.turn * facing
+        free = self.reader.kept_away(here)
+        wanted = self.reader.kept_away(expected[0] + free - here), expected[1]
+        stands = bool(self._contact(0.0).any())
+        self._placing.follow(place, facing, wanted, dt, stands=stands, near=free != here)
+
+    def pose(self, ahead: float = 0.0) -> LivePose:
+        """Her pose `ahead` [s] after the latest frame, a frame at most; only where one is `known`."""
+        part = ahead * self.reader.rate
+        root, rotation = self._sampled(self._source + self._step * part, part)
+        offset, _ = self._bent(ahead)
+        bent = quaternion.mul(rotation, quaternion.from_rotation_vector(offset[1:]))
+        return LivePose(root + offset[0], np.asarray(bent, np.float64), self._contact(part))

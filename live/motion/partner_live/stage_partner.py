@@ -1,0 +1,216 @@
+"""ReadLeader: one leader of a stage as she is read, and what answers her, frame by frame of her own beats.
+
+Standing: feet of those who answer are held where they stand, as those of all other dancers are (T050, K014).
+"""
+
+import copy
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.partner.path_leader import STILL
+from live.motion.partner.point_clouds import shadows
+from live.motion.partner.units import Units
+from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_player import LivePartner
+from live.motion.partner_live.stage_partner_kernels import joints_in_parents, turn_joints
+from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+Complex128 = npt.NDArray[np.complex128]
+
+RATE: Final = 30.0
+"""A leader is looked at about so many times a second, a whole number of times a beat."""
+WAY_RATE: Final = 15.0
+"""The same of a way, which changes more slowly."""
+LEAST_MOVE: Final = 1e-4
+"""Whose points all move less than this [m] from frame to frame does not move."""
+DECIDED: Final = 0.5
+"""When so much of a unit is over it is what is danced."""
+TURNS: Final = 0.2
+"""By so much of what is amiss a way's facing goes over to where it leads, from frame to frame."""
+MADE: Final = 60.0
+"""Samples a second, about, of recordings in beats."""
+_PARENTS: Final = np.array(SKELETON.parents, np.int32)
+_SHARED: Final = (
+    "units", "_stretches", "_first", "_offset", "_real", "_imaginary", "_heights", "_control", "_control_height",
+    "_record_first", "_record_stop", "_head", "_head_height", "_root", "_facing",
+)  # fmt: skip
+"""What a reader has of its examples alone, and never changes; anything else belongs to its leader."""
+
+
+def frames_of(tempo: float, rate: float = RATE) -> int:
+    """How often in a beat a leader is looked at in a show of that `tempo` [bpm], to be looked at at `rate` [Hz]."""
+    return max(4, round(rate * 60.0 / tempo))
+
+
+class Lore:
+    """What leaders are answered from: examples in beats, and a reader that has read nothing. It never changes."""
+
+    def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float, k: float) -> None:
+        """`units` in beats (`in_beats`, at `tempo` [bpm]), to be read `per_beat` times in each; `k` for that rate."""
+        self.units, self.unit_beats, self.per_beat = units, unit_beats, per_beat
+        self.period = 60.0 / tempo
+        self.stretch = stretch
+        self.reader = LiveReader(units, rate=self.per_beat / self.period, stretch=stretch, k=k)
+
+    def partner(self) -> LivePartner:
+        """Somebody who has seen nothing yet."""
+        shared = [getattr(self.reader, name) for name in _SHARED if hasattr(self.reader, name)]
+        return LivePartner(copy.deepcopy(self.reader, {id(value): value for value in shared}))
+
+
+class ReadLeader:
+    """Reads one leader; `root` and `turned` are what answers her now, half a frame later and a frame later."""
+
+    def __init__(self, lore: Lore, shift: float = 0.0) -> None:
+        """Her frames begin `shift` (0 to 1) of a frame before those of the beat: not all leaders' at once."""
+        self.lore, self._shift = lore, shift
+        self.partner = lore.partner()
+        self.line: int | None = None
+        """Number of the latest frame, counted in her own danced beats; None before the first."""
+        self.still = 0.0
+        """Frames for which she has not moved, or could not be seen."""
+        self.root: Float32 = np.zeros((3, 3), np.float32)
+        self.contact: Bool = np.zeros(2, np.bool_)
+        """Which of her feet stand."""
+        self.turned: Float32 = np.zeros((3, JOINT_COUNT, 4), np.float32)
+        self.turned[..., 0] = 1.0
+        self.answered = self.held = False
+        """Whether there has been an answer, and whether it is held: what is read now is not shown."""
+        self.news = ""
+        """The label of a unit for which it was decided at the latest frame that it is danced; else empty."""
+        self._told = (-1, -1)
+        self._facing = complex(1.0)
+        self._points: Complex128 = np.zeros(lore.reader.points, np.complex128)
+        self._heights: Float64 = np.zeros(lore.reader.points)
+
+    @property
+    def known(self) -> bool:
+        """Whether there is an answer that goes on."""
+        return self.partner.known and not self.held
+
+    def hold(self, frames: float) -> None:
+        """Forget what was read; what was answered last, `frames` after its frame, is held until `let_go`."""
+        begin, t = (1, 2.0 * frames - 1.0) if frames >= 0.5 else (0, 2.0 * frames)
+        self.root[:] = (1.0 - t) * self.root[begin] + t * self.root[begin + 1]
+        self.turned[:] = quaternion.slerp(self.turned[begin], self.turned[begin + 1], np.full(JOINT_COUNT, t))
+        self.partner, self.line, self.still, self._told = self.lore.partner(), None, 0.0, (-1, -1)
+        self.held = self.answered
+
+    def let_go(self) -> None:
+        """Nobody shows what is held any more."""
+        self.held = False
+
+    def due(self, danced: float) -> int:
+        """How many frames have begun since the latest one, when she has `danced` so many beats."""
+        return 1 if self.line is None else int(np.floor(self._frames_in(danced))) - self.line
+
+    def _frames_in(self, danced: float) -> float:
+        return danced * self.lore.per_beat + self._shift + 1e-9
+
+    def since(self, danced: float) -> float:
+        """How many frames have passed since the latest one; 0 where there was none."""
+        return 0.0 if self.line is None else self._frames_in(danced) - self.line
+
+    def frame(self, floor: Complex128, height: Float64, danced: float, window: float) -> None:
+        """Her points (P,) [m] when she has `danced` so many beats; units begin within `window` [s] of their lines."""
+        lore = self.lore
+        line = int(np.floor(self._frames_in(danced)))
+        passed = 1 if self.line is None else line - self.line
+        self.line, self.news = line, ""
+        whole = bool(np.isfinite(floor).all() and np.isfinite(height).all())
+        moved = whole and max(float(np.abs(floor - self._points).max()), float(np.abs(height - self._heights).max()))
+        self.still = 0.0 if moved > LEAST_MOVE else self.still + passed
+        if not whole:
+            return
+        self._points, self._heights = floor, height
+        for n in range(passed):
+            place = (line - passed + 1 + n - self._shift) / lore.per_beat / lore.unit_beats
+            away = abs(place - round(place)) * lore.unit_beats * lore.period
+            self.partner.frame(
+                floor, height, boundary=away <= max(window, 0.51 * lore.period / lore.per_beat),
+                unit_frames=float(lore.unit_beats * lore.per_beat),
+            )  # fmt: skip
+        if self.known:
+            self._show(goes_on=passed == 1 and self.answered and not self.partner.seen)
+            self._tell()
+
+    def shadows(self, place: Float32, velocity: Float32, row: int) -> tuple[Complex128, Float64]:
+        """What is read of an agent's way: shadows of hips that face where she goes, held where she stands (H019)."""
+        way = complex(float(velocity[row, 1]), float(velocity[row, 0]))
+        speed = abs(way)
+        if speed > STILL:
+            self._facing += (1.0 if self.line is None else TURNS) * (way / speed - self._facing)
+        size = abs(self._facing)
+        facing = self._facing / size if size > 1e-9 else complex(1.0)
+        middle = np.array([complex(float(place[row, 1]), float(place[row, 0]))])
+        cloud = shadows(middle, np.array([1j * facing]), RATE)
+        return cloud.floor[0], cloud.height[0]
+
+    def _show(self, *, goes_on: bool) -> None:
+        """The next poses; where the same unit `goes_on`, the first one is where the last one has led."""
+        frame = self.lore.period / self.lore.per_beat
+        first = 1 if goes_on else 0
+        if goes_on:
+            self.root[0], self.turned[0] = self.root[2], self.turned[2]
+        poses = [self.partner.pose(share * frame) for share in (0.0, 0.5, 1.0)[first:]]
+        self.contact[:] = poses[0].contact
+        self.root[first:] = [pose.root for pose in poses]
+        turn_joints(np.stack([pose.rotation for pose in poses]), _PARENTS, self.turned[first:])
+        self.answered = True
+
+    def _tell(self) -> None:
+        """A unit is told once, when so much of it is over that it stays."""
+        partner = self.partner
+        if (partner.unit, partner.begin) == self._told:
+            return
+        units = self.lore.units
+        seen = (partner.reader.at - partner.begin) / max(self.lore.unit_beats * self.lore.per_beat, 1)
+        if seen >= DECIDED:
+            self._told = partner.unit, partner.begin
+            self.news = units.label(partner.unit)
+
+
+Int32 = npt.NDArray[np.int32]
+
+
+class Standing:
+    """The feet of A dancers, of whom few answer."""
+
+    def __init__(self, count: int) -> None:
+        self.lock = FootLock(count)
+        self._legs: Float32 = np.zeros((count, len(LEG_JOINTS), 3), np.float32)
+        self._contact: Bool = np.zeros((count, 2), np.bool_)
+        self._pipeline = PosePipeline(0)
+
+    def tick(self, rows: Int32, position: Float32, contact: Bool, dt: float) -> None:
+        """A tick of `dt` [s]: the dancers `rows` (n,) would be at `position` (n, J, 3), and these of their feet stand,
+        `contact` (n, 2); all others' feet are let go."""
+        self._contact[:] = False
+        self._contact[rows] = contact
+        self._legs[rows] = position[:, LEG_JOINTS]
+        self.lock.tick(self._legs, self._contact, dt)
+
+    def hold(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
+        """Hold the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""
+        if not len(rows) or not self.lock.farthest:
+            return
+        if len(self._pipeline.age) != len(rows):
+            self._pipeline = PosePipeline(len(rows))
+            self._pipeline.sample[0] = np.arange(len(rows))
+            self._pipeline.lock = True
+        pipeline, parents = self._pipeline, self._pipeline.skeleton.parents
+        one = FootLock(0)
+        one.state = np.ascontiguousarray(self.lock.state[rows])
+        one.place(pipeline.feet, age)
+        own = np.empty((len(rows), *rotation.shape[1:]), np.float32)
+        joints_in_parents(np.ascontiguousarray(rotation[rows]), parents, own)
+        held = pipeline.run(ClipStore.of(position[rows, 0], own))
+        position[rows], rotation[rows] = held

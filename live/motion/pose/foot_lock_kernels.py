@@ -1,0 +1,320 @@
+"""Legs in blocks of dancers: feet brought to where they stand by two-bone inverse kinematics.
+
+Rows as in rows/kernels.py: `world` is (J, 7, BLOCK), rotations (w, x, y, z) then positions [m]. The joints of a leg
+are copied into an array of their own, made here with rows of a constant length: only then does the compiler know that
+they do not overlap, and turns the loops into vector instructions.
+
+Where held and free feet are between two ticks, for the pose kernels.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+from live.motion.pose.sample_kernels import BLOCK
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+Bool = npt.NDArray[np.bool_]
+Rotation = tuple[float, float, float, float]
+
+LENGTH_BUFFER: Any = np.float32(0.015)
+"""A leg is not stretched beyond its length less this [m], unless the clip itself stretches it farther."""
+STRAIGHTENING: Any = np.float32(0.03)
+"""Over the last of this [m] a leg gives way more and more instead of becoming straight at once: knees would snap."""
+PELVIS_DROP: Any = np.float32(0.02)
+"""The hips sink by this much [m] at most so that both feet reach."""
+FARTHEST: Any = np.float32(0.25)
+"""A foot is never carried farther than this [m] from where the clip has it."""
+FORWARD: Any = np.float32(0.04)
+"""A knee that is straight bends forward; the more it is bent already, the less this counts [m]."""
+SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLID, STOOD = range(12)
+"""Columns of a foot: shift [m] at the last tick, the place [m] where the clip had the carrying point then, how much of
+that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, how far it is lifted
+[m] so that it stood on the floor when it was held; and, the lock's own business, speeds of the shift and the lift
+[m/s], how far it has slid [m] while its clip had it on the floor, and for how long that was [s]."""
+FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
+CLEAR, ROUND, FEET_COLUMNS = 7, 8, 9
+"""Of these the first seven say where a foot shall be, with two more for the picture: how high [m] it should be lifted
+at least, because one of the clips that are blended has it in the air, and over how many [m] that begins softly."""
+UNLOCK: Any = np.float32(0.2)
+GRAB: Any = np.float32(0.08)
+JUMP: Any = np.float32(0.5)
+"""A foot is let go when it is shifted this far [m], held anew only when nearer than this, and never held through a jump
+of its clip of more than this in a tick."""
+RELEASE_HALFLIFE: Any = np.float32(0.07)
+"""A free foot is back at its clip's place by half in this time [s]."""
+TOES_UP: Any = np.float32(0.01)
+"""Toes this much [m] higher than the heel are lifted; a foot that is flat is held by its ball, which stays when it
+rolls off."""
+ROLL: Any = np.float32(0.001)
+"""Heights [m] over which the carrying point goes from heel to toes: at once, for what is between the two moves with
+both. Shifts are counted from tick to tick of one point, so that the change moves nothing."""
+_ONSET: Any = np.float32(0.005)
+_STRETCH: Any = np.float32(0.005)
+_LN2: Any = np.float32(math.log(2.0))
+_ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
+_TINY: Any = np.float32(1e-12)
+_HIP, _KNEE, _ANKLE, _TOES, _GOAL, _ROWS = 0, 7, 14, 21, 28, 31
+
+
+@kernel("f4(f4[:,::1], i8)")
+def _length(offsets: Float32, joint: int) -> float:
+    o = offsets[joint]
+    return math.sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2])
+
+
+@part
+def _turned(
+    ax: float, ay: float, az: float, bx: float, by: float, bz: float, qw: float, qx: float, qy: float, qz: float
+) -> Rotation:
+    """The rotation q turned the shortest way that brings direction a to direction b."""
+    scale = _ONE / math.sqrt(max((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), _TINY))
+    w = _ONE + (ax * bx + ay * by + az * bz) * scale
+    x, y, z = (ay * bz - az * by) * scale, (az * bx - ax * bz) * scale, (ax * by - ay * bx) * scale
+    unit = _ONE / math.sqrt(max(w * w + x * x + y * y + z * z, _TINY))
+    w, x, y, z = w * unit, x * unit, y * unit, z * unit
+    return (
+        w * qw - x * qx - y * qy - z * qz,
+        w * qx + x * qw + y * qz - z * qy,
+        w * qy - x * qz + y * qw + z * qx,
+        w * qz + x * qy - y * qx + z * qw,
+    )
+
+
+@part
+def _aim(
+    leg: Float32, asked: Float32, feet: Float32, side: int, sole: float, toes_over_sole: float, start: int, stop: int
+) -> None:
+    """Where the ankle shall be, rows _GOAL.. of `leg` [m].
+
+    A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift and lift.
+    No sole goes below the floor, or lower than CLEAR of it.
+    """
+    for i in range(BLOCK):
+        row = feet[min(start + i, stop - 1), side]
+        for c in range(FEET_COLUMNS):
+            asked[c, i] = row[c]
+    for i in range(BLOCK):
+        ax, ay, az = leg[_ANKLE + 4, i], leg[_ANKLE + 5, i], leg[_ANKLE + 6, i]
+        px = ax + asked[TOES, i] * (leg[_TOES + 4, i] - ax)
+        pz = az + asked[TOES, i] * (leg[_TOES + 6, i] - az)
+        dx = asked[SHIFT_X, i] - asked[HELD, i] * (px - asked[FROM_X, i])
+        dz = asked[SHIFT_Z, i] - asked[HELD, i] * (pz - asked[FROM_Z, i])
+        scale = FARTHEST / math.sqrt(max(dx * dx + dz * dz, FARTHEST * FARTHEST))
+        low = min(ay - sole, leg[_TOES + 5, i] - toes_over_sole)
+        leg[_GOAL, i] = ax + dx * scale
+        clear = asked[CLEAR, i] - low
+        clear = _HALF * (clear + math.sqrt(clear * clear + asked[ROUND, i] * asked[ROUND, i]))
+        leg[_GOAL + 1, i] = ay + max(clear, (_ONE - asked[HELD, i]) * asked[LIFT, i])
+        leg[_GOAL + 2, i] = az + dz * scale
+
+
+@part
+def _sink(drop: Float32, leg: Float32, whole: float) -> None:
+    """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` nearly reaches its goal.
+
+    They begin gently and never sink by more than PELVIS_DROP: with a hard bound they would stop at once, and the knee
+    snap straight.
+    """
+    for i in range(BLOCK):
+        hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
+        ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
+        limit = max(whole - LENGTH_BUFFER - _HALF * STRAIGHTENING, math.sqrt(ex * ex + ey * ey + ez * ez))
+        gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
+        reach = math.sqrt(max(limit * limit - gx * gx - gz * gz, _ZERO))
+        missing = max(-gy - reach, _ZERO)
+        missing = missing * missing / (missing + _ONSET)
+        drop[i] = max(drop[i], missing * PELVIS_DROP / (missing + PELVIS_DROP))
+
+
+@part
+def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
+    """Two bones from the sunk hip to the goal, the knee kept in its plane; foot and toes keep their rotation."""
+    whole = upper + lower
+    for i in range(BLOCK):
+        hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
+        ux, uy, uz = leg[_KNEE + 4, i] - hx, leg[_KNEE + 5, i] - hy, leg[_KNEE + 6, i] - hz
+        ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
+        lx, ly, lz = ex - ux, ey - uy, ez - uz
+        hy = hy - drop[i]
+        gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
+        size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
+        own = math.sqrt(ex * ex + ey * ey + ez * ez)
+        easy = max(own, whole - LENGTH_BUFFER - STRAIGHTENING)
+        room = max(whole - LENGTH_BUFFER, own + _STRETCH) - easy
+        beyond = max(size - easy, _ZERO) / room
+        length = min(size, easy) + room * beyond / math.sqrt(_ONE + beyond * beyond)
+        nx, ny, nz = gx / size, gy / size, gz / size
+        along = (upper * upper - lower * lower + length * length) / (_TWO * length)
+        aside = math.sqrt(max(upper * upper - along * along, _ZERO))
+        # the knee points where it does in the clip, seen from the line hip to ankle; forward in a straight leg
+        w, x, y, z = leg[_HIP, i], leg[_HIP + 1, i], leg[_HIP + 2, i], leg[_HIP + 3, i]
+        part = (ux * ex + uy * ey + uz * ez) / max(ex * ex + ey * ey + ez * ez, _TINY)
+        px = ux - part * ex + FORWARD * (x * z + w * y)
+        py = uy - part * ey + FORWARD * (y * z - w * x)
+        pz = uz - part * ez + FORWARD * (_HALF - x * x - y * y)
+        dot = px * nx + py * ny + pz * nz
+        px, py, pz = px - dot * nx, py - dot * ny, pz - dot * nz
+        scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
+        kx, ky, kz = along * nx + scale * px, along * ny + scale * py, along * nz + scale * pz
+        fx, fy, fz = length * nx, length * ny, length * nz
+        w, x, y, z = _turned(ux, uy, uz, kx, ky, kz, w, x, y, z)
+        leg[_HIP, i], leg[_HIP + 1, i], leg[_HIP + 2, i], leg[_HIP + 3, i] = w, x, y, z
+        w, x, y, z = leg[_KNEE, i], leg[_KNEE + 1, i], leg[_KNEE + 2, i], leg[_KNEE + 3, i]
+        w, x, y, z = _turned(lx, ly, lz, fx - kx, fy - ky, fz - kz, w, x, y, z)
+        leg[_KNEE, i], leg[_KNEE + 1, i], leg[_KNEE + 2, i], leg[_KNEE + 3, i] = w, x, y, z
+        leg[_KNEE + 4, i], leg[_KNEE + 5, i], leg[_KNEE + 6, i] = hx + kx, hy + ky, hz + kz
+        dx, dy, dz = hx + fx - leg[_ANKLE + 4, i], hy + fy - leg[_ANKLE + 5, i], hz + fz - leg[_ANKLE + 6, i]
+        leg[_ANKLE + 4, i], leg[_ANKLE + 5, i], leg[_ANKLE + 6, i] = hx + fx, hy + fy, hz + fz
+        leg[_TOES + 4, i] += dx
+        leg[_TOES + 5, i] += dy
+        leg[_TOES + 6, i] += dz
+        leg[_HIP + 5, i] = hy
+
+
+@part
+def stand_legs(
+    world: Float32,
+    feet: Float32,
+    legs: Int32,
+    offsets: Float32,
+    sole: float,
+    toes_over_sole: float,
+    start: int,
+    stop: int,
+) -> None:
+    """Foot lock of a block: feet to their places, the hips a little down where a leg is too short.
+
+    `feet` (A, 2, 9) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `toes_over_sole` [m] the heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and
+    two-bone legs as in Holden's Motion-Matching; no branch and no trigonometry, so that blocks run at full width.
+    """
+    left, right = np.empty((_ROWS, BLOCK), np.float32), np.empty((_ROWS, BLOCK), np.float32)
+    asked, drop = np.empty((FEET_COLUMNS, BLOCK), np.float32), np.zeros(BLOCK, np.float32)
+    for j in range(4):
+        for c in range(7):
+            for i in range(BLOCK):
+                left[7 * j + c, i] = world[legs[j], c, i]
+                right[7 * j + c, i] = world[legs[4 + j], c, i]
+    upper, lower = _length(offsets, legs[1]), _length(offsets, legs[2])
+    _aim(left, asked, feet, 0, sole, toes_over_sole, start, stop)
+    _aim(right, asked, feet, 1, sole, toes_over_sole, start, stop)
+    _sink(drop, left, upper + lower)
+    _sink(drop, right, upper + lower)
+    _bend(left, drop, upper, lower)
+    _bend(right, drop, upper, lower)
+    for j in range(world.shape[0]):
+        for i in range(BLOCK):
+            world[j, 5, i] -= drop[i]
+    for j in range(4):
+        for c in range(7):
+            for i in range(BLOCK):
+                world[legs[j], c, i] = left[7 * j + c, i]
+                world[legs[4 + j], c, i] = right[7 * j + c, i]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f4, f4, f4)")
+def follow_feet(
+    lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
+) -> None:
+    """One tick of the foot lock of A dancers: `lock` (A, 2, 12) follows the unlocked feet.
+
+    `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg as the clips have
+    them; `contact` (A, 2): whether the clips say that the foot stands. While it does, its carrying point is held: the
+    shift grows by what that point moved, so that it stays exactly where it was. The carrying point is the lower one of
+    ankle and toes, so the foot may roll from heel to ball. A foot shifted too far lets go; free feet swing back to
+    their clip, critically damped from the speed they had, so that nothing jumps: sideways, and down from where a clip
+    that is mixed with another had to be lifted to stand on the floor.
+    """
+    decay = _TWO * _LN2 / RELEASE_HALFLIFE
+    for n in range(lock.shape[0]):
+        for side in range(2):
+            row = lock[n, side]
+            ankle, toes = leg_position[n, 3 + 4 * side], leg_position[n, 4 + 4 * side]
+            x = ankle[0] + row[TOES] * (toes[0] - ankle[0])
+            z = ankle[2] + row[TOES] * (toes[2] - ankle[2])
+            moved_x, moved_z = x - row[FROM_X], z - row[FROM_Z]
+            below = max(-min(ankle[1] - sole, toes[1] - toes_over_sole), _ZERO)
+            if row[HELD] > _ZERO:
+                row[SPEED_Y], row[LIFT] = (below - row[LIFT]) / dt, below
+            else:
+                fall = math.exp(-decay * dt)
+                bend = row[SPEED_Y] + row[LIFT] * decay
+                row[LIFT] = fall * (row[LIFT] + bend * dt)
+                row[SPEED_Y] = fall * (row[SPEED_Y] - bend * decay * dt)
+            slid_x, slid_z = moved_x - row[SHIFT_X], moved_z - row[SHIFT_Z]
+            if row[HELD] > _ZERO and moved_x * moved_x + moved_z * moved_z < JUMP * JUMP:
+                row[SHIFT_X] -= moved_x
+                row[SHIFT_Z] -= moved_z
+                row[SPEED_X], row[SPEED_Z] = -moved_x / dt, -moved_z / dt
+            else:
+                fall = math.exp(-decay * dt)
+                bend_x, bend_z = row[SPEED_X] + row[SHIFT_X] * decay, row[SPEED_Z] + row[SHIFT_Z] * decay
+                row[SHIFT_X] = fall * (row[SHIFT_X] + bend_x * dt)
+                row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
+                row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
+                row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
+            followed = row[FROM_X] != _ZERO or row[FROM_Z] != _ZERO  # else it was only put where it is
+            if contact[n, side] and followed:
+                slid_x, slid_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
+                row[SLID] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
+                row[STOOD] += dt
+            shift = math.sqrt(row[SHIFT_X] * row[SHIFT_X] + row[SHIFT_Z] * row[SHIFT_Z])
+            stands = contact[n, side] and shift < (UNLOCK if row[HELD] > _ZERO else GRAB)
+            row[HELD] = _ONE if stands else _ZERO
+            lift = (ankle[1] - sole) - (toes[1] - toes_over_sole)
+            row[TOES] = min(max(_HALF + (lift + TOES_UP) / ROLL, _ZERO), _ONE)
+            row[FROM_X] = ankle[0] + row[TOES] * (toes[0] - ankle[0])
+            row[FROM_Z] = ankle[2] + row[TOES] * (toes[2] - ankle[2])
+
+
+Float64 = npt.NDArray[np.float64]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
+def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
+    """Write `feet` (A, 2, 9) from the foot lock `lock` (A, 2, 12), `age` [s] after its tick: free feet swing on."""
+    for n in range(lock.shape[0]):
+        for side in range(2):
+            row, out = lock[n, side], feet[n, side]
+            for c in range(FOLLOWED_COLUMNS):
+                out[c] = row[c]
+            free = age * (np.float32(1.0) - row[HELD])
+            out[SHIFT_X] += free * row[SPEED_X]
+            out[SHIFT_Z] += free * row[SPEED_Z]
+            out[LIFT] += free * row[SPEED_Y]
+
+
+@kernel("f4(f4[:,:,::1])")
+def farthest_shift(lock: Float32) -> float:
+    """How far [m] any foot of the foot lock `lock` (A, 2, 12) is shifted along x or z."""
+    most: float = np.float32(0.0)  # type: ignore[assignment]
+    for n in range(lock.shape[0]):
+        for side in range(2):
+            most = max(most, max(abs(lock[n, side, SHIFT_X]), abs(lock[n, side, SHIFT_Z])))
+    return most
+
+
+@kernel("void(f4[:,:,::1], f8[::1], f8[::1])")
+def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
+    """Take out of the foot lock how far both feet have `slid` (A,) [m] and for how long they `stood` (A,) [s]."""
+    for n in range(lock.shape[0]):
+        slid[n] = float(lock[n, 0, SLID]) + float(lock[n, 1, SLID])
+        stood[n] = float(lock[n, 0, STOOD]) + float(lock[n, 1, STOOD])
+        for side in range(2):
+            lock[n, side, SLID] = lock[n, side, STOOD] = np.float32(0.0)
+
+
+@kernel("void(b1[:,::1], f8[::1])")
+def hold_where_wanted(contact: Bool, wanted: Float64) -> None:
+    """Feet of those whose `wanted` (A,) is 0 are never held: their `contact` (A, 2) does not count."""
+    for n in range(contact.shape[0]):
+        if wanted[n] == 0.0:
+            contact[n, 0] = contact[n, 1] = False

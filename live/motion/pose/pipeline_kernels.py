@@ -1,0 +1,245 @@
+"""The pose pipeline in one call: all dancers, block after block.
+
+How far dancers have drifted ahead or behind, in one pass (T056).
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel, part
+from live.base.scalar_kernels import angle_wrap, ease
+from live.motion.pose.foot_lock_kernels import TOES, stand_legs
+from live.motion.pose.inertialization_kernels import LONGEST, settle_rows
+from live.motion.pose.sample_kernels import (
+    BLOCK,
+    forward_rows,
+    gather_samples,
+    place_root,
+    slerp_rows,
+    unit_rows,
+    write_block,
+)
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+HEAD_LIMIT = math.radians(60.0)
+"""The head turns this far from the chest at most (T124)."""
+PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
+"""Rows of `sample` and `placement`: this measure's clip, the other take mixed into it, and the same of the next one."""
+LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
+"""Rows of `share`: how much of the other take there is in the lower and the upper body, how far the next clip is in."""
+UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
+"""Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 where there is no such joint."""
+_SETTLED: Any = np.float32(LONGEST)
+_ZERO: Any = np.float32(0.0)
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
+
+
+@kernel("f8(f8)")
+def public_turn(chest: float) -> float:
+    """Where the head looks, seen from the chest [rad], when the chest's heading is `chest` and the public at 0.
+
+    It faces the public as long as that takes no more than 60 degrees; through the rest of a turn it swings from one
+    limit to the other evenly, the linear gap of T124 as a function of the body instead of time, so that it is known at
+    once and a spin is spotted. The corners are rounded over 20 degrees, as the Gaussian of T124 rounds them in time.
+    """
+    turned = abs(angle_wrap(chest))
+    far = (math.pi - turned) * HEAD_LIMIT / (math.pi - HEAD_LIMIT)
+    gap, soft = far - turned, math.radians(20.0)
+    blend = min(max(0.5 + 0.5 * gap / soft, 0.0), 1.0)  # smooth minimum of the two lines
+    turn = far + (turned - far) * blend - soft * blend * (1.0 - blend)
+    return -math.copysign(max(turn, 0.0), angle_wrap(chest))
+
+
+@part
+def face_public(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
+    """Turn heads about the vertical towards the public by `share` (A,) of the way (T123, T125: the head joint only)."""
+    for i in range(min(BLOCK, stop - start)):
+        if share[start + i] <= 0.0:
+            continue
+        w, x, y, z = world[chest, 0, i], world[chest, 1, i], world[chest, 2, i], world[chest, 3, i]
+        body = math.atan2(_TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y))
+        w, x, y, z = world[head, 0, i], world[head, 1, i], world[head, 2, i], world[head, 3, i]
+        forward_x, forward_z = _TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y)
+        if forward_x * forward_x + forward_z * forward_z < 0.04:  # she looks at the floor or the sky
+            continue
+        angle = angle_wrap(body + public_turn(body) - math.atan2(forward_x, forward_z))
+        turn = 0.5 * share[start + i] * angle
+        c, s = np.float32(math.cos(turn)), np.float32(math.sin(turn))
+        world[head, 0, i] = c * w - s * y
+        world[head, 1, i] = c * x + s * z
+        world[head, 2, i] = c * y + s * w
+        world[head, 3, i] = c * z - s * x
+
+
+@part
+def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
+    """Whether one of the block's values is not `value`."""
+    different = False
+    for n in range(start, stop):
+        different |= values[n] != value
+    return different
+
+
+@part
+def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
+    """Whether one of the block's values is below `value`."""
+    found = False
+    for n in range(start, stop):
+        found |= values[n] < value
+    return found
+
+
+@part
+def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
+    for i in range(BLOCK):
+        row[i] = values[min(start + i, stop - 1)]
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,::1], f4[::1], f4[::1], i4[::1], i8, i8)")
+def _mix_take(
+    local: Float32, root: Float32, other: Float32, other_root: Float32, lower: Float32, upper: Float32, body: Int32,
+    start: int, stop: int,
+) -> None:  # fmt: skip
+    """Mix another take of the same step into lower and upper body by shares (A,) of their own (T044, T045)."""
+    row = np.empty(BLOCK, np.float32)
+    first, last = body[UPPER_FIRST], body[UPPER_LAST]
+    _row(row, upper, start, stop)
+    slerp_rows(local, other, row, first, last)
+    _row(row, lower, start, stop)
+    for above in range(2):
+        slerp_rows(local, other, row, last if above else 0, local.shape[0] if above else first)
+    for c in range(3):
+        for i in range(BLOCK):
+            root[c, i] += row[i] * (other_root[c, i] - root[c, i])
+
+
+@part
+def _amplify(
+    local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
+    amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
+) -> None:  # fmt: skip
+    """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
+
+    Within a transition the mean pose is blended, too (T060).
+    """
+    first, last = body[UPPER_FIRST], body[UPPER_LAST]
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
+        a, b, t = mean_rotation[mean[0, n]], mean_rotation[mean[1, n]], into_next[n]
+        row[i] = _ONE - amplitude[n]
+        for j in range(first, last):
+            for c in range(4):
+                other[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
+    unit_rows(other, first, last)
+    slerp_rows(local, other, row, first, last)
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1],"
+    " f4[::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1],"
+    " i8, i8)"
+)
+def pose_dancers(
+    position: Float32, rotation: Float32,
+    clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
+    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, head: Float32, feet: Float32,
+    settling: Float32, age: Float32, watched: Int32,
+    offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """Poses of the dancers begin..end-1: two clips sampled, mixed, blended, amplified, placed; heads and feet mended.
+
+    Out: `position` (A, J, 3) world [m], `rotation` (A, J, 4) world. In: all clips as `clip_root` (S, 3) and
+    `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
+    `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
+    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) how far the head turns
+    to the public; `feet` (A, 2, 9) as in legs/kernels.py (TOES below 0: leave the legs as they are); `settling`, `age`
+    (A,) [s] and `watched` (J,) as in inertia/kernels.py. `soles`: heights [m] of ankle and toe joint of a standing
+    foot.
+    """
+    joints = parents.shape[0]
+    # made here, with rows of a constant length, so that the compiler knows that no two rows overlap
+    present, coming = np.empty((joints, 4, BLOCK), np.float32), np.empty((joints, 4, BLOCK), np.float32)
+    take, roots = np.empty((joints, 4, BLOCK), np.float32), np.empty((4, 3, BLOCK), np.float32)
+    world, row = np.empty((joints, 7, BLOCK), np.float32), np.empty(BLOCK, np.float32)
+    lanes, asked = np.empty((BLOCK, 4 * joints), np.float32), np.empty(4, np.bool_)
+    clips = clip_rotation.reshape((clip_rotation.shape[0], 4 * joints))
+    for start in range(begin, end, BLOCK):
+        stop = min(start + BLOCK, end)
+        blends = _any_but(share[INTO_NEXT], _ZERO, start, stop)
+        asked[PRESENT], asked[NEXT] = True, blends
+        asked[PRESENT_TAKE] = _any_but(share[LOWER], _ZERO, start, stop) or _any_but(share[UPPER], _ZERO, start, stop)
+        mixes = _any_but(share[NEXT_LOWER], _ZERO, start, stop) or _any_but(share[NEXT_UPPER], _ZERO, start, stop)
+        asked[NEXT_TAKE] = blends and mixes
+        for k in range(4):  # a take is fetched and mixed in right after its clip
+            if not asked[k]:
+                continue
+            local = present if k == PRESENT else (coming if k == NEXT else take)
+            gather_samples(local, lanes, clips, sample[k], start, stop)
+            place_root(local, roots[k], clip_root, sample[k], placement[k], start, stop)
+            if k in (PRESENT_TAKE, NEXT_TAKE):
+                lower, own = (LOWER, present) if k == PRESENT_TAKE else (NEXT_LOWER, coming)
+                _mix_take(own, roots[k - 1], take, roots[k], share[lower], share[lower + 1], body, start, stop)
+        root = roots[PRESENT]
+        if blends:
+            _row(row, share[INTO_NEXT], start, stop)
+            slerp_rows(present, coming, row, 0, joints)
+            for c in range(3):
+                for i in range(BLOCK):
+                    root[c, i] += row[i] * (roots[NEXT, c, i] - root[c, i])
+        if _any_but(amplitude, _ONE, start, stop):
+            _amplify(present, take, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
+        if _any_below(age, _SETTLED, start, stop):
+            settle_rows(present, root, settling, age, watched, start, stop)
+        forward_rows(world, present, root, offsets, parents)
+        if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
+            face_public(world, head, body[CHEST], body[HEAD], start, stop)
+        if legs.shape[0] == 8 and feet[start, 0, TOES] >= 0.0:
+            stand_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)
+        write_block(position, rotation, world, start, stop)
+
+
+Int64 = npt.NDArray[np.int64]
+
+
+@kernel("f8(i8, f8[::1], f8[::1], f8[::1], f8[:,:,::1], f8[::1])")
+def drifted(n: int, value: Float64, passed: Float64, phase: Float64, knots: Float64, most: Float64) -> float:
+    """How far dancer `n` is ahead [share of a measure]: A(x) sin φ(x), see `Drift.at`."""
+    if most[n] == 0.0:
+        return 0.0
+    amplitude = turned = 0.0
+    for k in range(4):
+        amplitude += value[k] * knots[0, k, n]
+        turned += passed[k] * knots[1, k, n]
+    return float(most[n] * amplitude * math.sin(phase[n] + 2.0 * math.pi * turned))
+
+
+@kernel("void(f8[::1], i8[::1], f8, f8[::1], f8[:,:,::1], f8[::1], i4[::1], i4[::1])")
+def drift_ahead(
+    out: Float64, rows: Int64, fraction: float, phase: Float64, knots: Float64, most: Float64, liked: Int32, like: Int32
+) -> None:
+    """How far the dancers `rows` (n,) are ahead at `fraction` of the measure [share of a measure], `out` (n,).
+
+    `phase` (A,) [rad] when the measure begins, `knots` (2, 4, A) of amplitude and frequency, `most` (A,) how far each
+    may drift. Through the measure each goes over from the timing of `liked` (A,) to that of `like` (A,).
+    """
+    t = fraction
+    value, passed = np.empty(4), np.empty(4)
+    value[0], value[1] = (1 - t) ** 3 / 6.0, (3 * t**3 - 6 * t**2 + 4) / 6.0
+    value[2], value[3] = (-3 * t**3 + 3 * t**2 + 3 * t + 1) / 6.0, t**3 / 6.0
+    passed[0], passed[1] = (1 - (1 - t) ** 4) / 24.0, (3 * t**4 - 8 * t**3 + 16 * t) / 24.0
+    passed[2], passed[3] = (-3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t) / 24.0, t**4 / 24.0
+    share = ease(fraction)
+    for i in range(rows.shape[0]):
+        before, after = liked[rows[i]], like[rows[i]]
+        ahead = drifted(before, value, passed, phase, knots, most)
+        if after != before:
+            ahead += share * (drifted(after, value, passed, phase, knots, most) - ahead)
+        out[i] = ahead

@@ -1,0 +1,438 @@
+"""How much of a measure's correction is in when part of the measure has passed, for kernels that place dancers.
+
+Corrections that are aimed anew within the measure, as passes over all dancers.
+
+`rows` (ROWS, A, 2) [m] holds for each dancer what the names of its rows say; see `Carried` in show/carried.py.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
+from live.motion.yaw_kernels import yaw_rotate
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+KNOTS = 65
+"""Knots of a rise over a measure, the first at its beginning, the last at its end."""
+SHARE, RATE = 0, 1
+"""Columns of a rise: the share that is in at a knot, and how fast it grows there [1 per measure]."""
+DIRECTIONS = 16
+"""Ways of a step, about its clip's own heading, for which it is known how far legs give."""
+
+
+@kernel("f8(f8[:,::1], f8)")
+def risen(rise: Float64, fraction: float) -> float:
+    """Share of the correction that is in at `fraction` of the measure, 0 to 1, C1; `rise` (KNOTS, 2).
+
+    Between knots the rate is a straight line, so the share is a parabola.
+    """
+    place = min(max(fraction, 0.0), 1.0) * (rise.shape[0] - 1)
+    k = min(math.floor(place), rise.shape[0] - 2)
+    u = place - k
+    slope = rise[k, RATE] + 0.5 * u * (rise[k + 1, RATE] - rise[k, RATE])
+    share: float = rise[k, SHARE] + u * slope / (rise.shape[0] - 1)
+    return share
+
+
+@kernel("f8(f8, f8, f8, f8)")
+def shifted(risen_now: float, risen_then: float, shift: float, goal: float) -> float:
+    """How far a dancer is carried [m] who was by `shift` when `risen_then` was in and shall be by `goal` at the end."""
+    if risen_then >= 1.0:
+        return goal
+    return shift + (risen_now - risen_then) / (1.0 - risen_then) * (goal - shift)
+
+
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
+def bound_aims(
+    goal: Float64,
+    correction: Float64,
+    aimed: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    most: Float64,
+    least_left: float,
+) -> None:
+    """Change the `goal` (A, 2) [m] of dancers at `phase` (A,) to what can still be reached as slowly as a whole way.
+
+    In the rest of the rise nobody goes farther than that share of `most` (A,) [m], or of what she goes already. Who
+    has no more than `least_left` of her rise before her keeps her `correction` (A, 3). Else as in `re_aim_dancers`.
+    """
+    for n in range(goal.shape[0]):
+        share = risen(rise[max(node[n], 0)], phase[n])
+        if node[n] < 0 or 1.0 - share <= least_left or share < aimed[n, 2]:
+            goal[n, 0], goal[n, 1] = correction[n, 0], correction[n, 1]
+            continue
+        x = shifted(share, aimed[n, 2], aimed[n, 0], correction[n, 0])
+        z = shifted(share, aimed[n, 2], aimed[n, 1], correction[n, 1])
+        going = math.sqrt((correction[n, 0] - x) ** 2 + (correction[n, 1] - z) ** 2)
+        wanted = math.sqrt((goal[n, 0] - x) ** 2 + (goal[n, 1] - z) ** 2)
+        scale = min(1.0, max(going, (1.0 - share) * most[n]) / max(wanted, 1e-9))
+        goal[n, 0], goal[n, 1] = x + scale * (goal[n, 0] - x), z + scale * (goal[n, 1] - z)
+
+
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8)")
+def re_aim_dancers(
+    correction: Float64,
+    aimed: Float64,
+    goal: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    least_left: float,
+) -> None:
+    """Lead A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are rewritten.
+
+    `node` (A,) says whose row of `rise` (N, KNOTS, 2) counts; below 0: she is not led. Who has no more than
+    `least_left` of her rise before her keeps what she has.
+    """
+    for n in range(correction.shape[0]):
+        if node[n] < 0:
+            continue
+        share = risen(rise[node[n]], phase[n])
+        if 1.0 - share <= least_left or share < aimed[n, 2]:
+            continue
+        for c in range(2):
+            aimed[n, c] = shifted(share, aimed[n, 2], aimed[n, c], correction[n, c])
+            correction[n, c] = goal[n, c]
+        aimed[n, 2] = share
+
+
+@kernel("f8(f8[::1], f8, f8)")
+def given_towards(give: Float64, x: float, z: float) -> float:
+    """How far legs give [m] towards (x, z) in the clip's own axes; `give` (DIRECTIONS,), straight between two."""
+    count = give.shape[0]
+    place = math.atan2(x, z) / (2.0 * math.pi) * count
+    low = math.floor(place)
+    share = place - low
+    far: float = (1.0 - share) * give[low % count] + share * give[(low + 1) % count]
+    return far
+
+
+@kernel("void(f8[:,::1], f8[::1], i4[::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], f8, f8)")
+def bound_ways(
+    way: Float64,
+    yaw: Float64,
+    node: Int32,
+    gives: Float64,
+    holds: Float64,
+    held: Float64,
+    share: Float64,
+    most: float,
+    most_held: float,
+) -> None:
+    """Shorten the `way` (A, 2) [m] of each dancer's correction to what her legs give, and to `most` [m].
+
+    `yaw` (A,) [rad] of her clip on the stage; `gives` (N, DIRECTIONS) and `holds` (N, 2) of the nodes, `node` (A,) of
+    the dancers; `share` (A,): how much of what legs give she may use. Feet that are held beside their clip's places
+    already, by `held` (A, 2, 2) [m], and are not lifted at once are held against no more than `most_held` [m].
+    """
+    for n in range(way.shape[0]):
+        v = max(node[n], 0)
+        size = math.sqrt(way[n, 0] * way[n, 0] + way[n, 1] * way[n, 1])
+        if size < 1e-9:
+            continue
+        x, z = yaw_rotate(way[n, 0], way[n, 1], -yaw[n])
+        scale = min(1.0, min(most, share[n] * given_towards(gives[v], x, z)) / size)
+        for foot in range(2):
+            # |held - scale * hold * way| <= limit, for the largest scale
+            hx, hz = holds[v, foot] * way[n, 0], holds[v, foot] * way[n, 1]
+            a = hx * hx + hz * hz
+            if a < 1e-9:
+                continue
+            b = hx * held[n, foot, 0] + hz * held[n, foot, 1]
+            c = held[n, foot, 0] * held[n, foot, 0] + held[n, foot, 1] * held[n, foot, 1]
+            limit = max(most_held * most_held, c)
+            scale = min(scale, max((b + math.sqrt(b * b + a * (limit - c))) / a, 0.0))
+        way[n, 0] *= scale
+        way[n, 1] *= scale
+
+
+@kernel("void(f8[:,::1], f8[::1], i8)")
+def share_out(costs: Float64, weights: Float64, rounds: int) -> None:
+    """Change `weights` (K,), which add up to 1, so that the largest of `costs` (M, K) @ weights is nearly least.
+
+    In each round every weight falls by a factor with its part of the cost that is dearest then; the mean over all
+    rounds comes near the value of the game (Freund & Schapire 1999).
+    """
+    total, dearest = np.zeros(weights.shape[0]), 0.0
+    for m in range(costs.shape[0]):
+        for k in range(weights.shape[0]):
+            dearest = max(dearest, costs[m, k])
+    for n in range(rounds):
+        worst, highest = 0, -1.0
+        for m in range(costs.shape[0]):
+            cost = 0.0
+            for k in range(weights.shape[0]):
+                cost += costs[m, k] * weights[k]
+            if cost > highest:
+                worst, highest = m, cost
+        whole = 0.0
+        for k in range(weights.shape[0]):
+            total[k] += weights[k]
+            weights[k] *= math.exp(-costs[worst, k] / (dearest * math.sqrt(1.0 + 0.1 * n)))
+            whole += weights[k]
+        for k in range(weights.shape[0]):
+            weights[k] /= whole
+    for k in range(weights.shape[0]):
+        weights[k] = total[k] / rounds
+
+
+Int8 = npt.NDArray[np.int8]
+
+BEGIN, END, PLAN, DODGE, GOAL, AIM, AIM_SPEED, WISH, AHEAD, FORESEEN, ASKED, PREDICTED = range(12)
+"""Rows: where the measure begins and, uncorrected, ends; the correction as decided, what was added so that nobody
+touches, what it shall lead to, what it leads to and how fast that changes; what steering wishes it to be; how far the
+agent was ahead when the measure began, where it was foreseen at its end; where the dancer was sent, and that moved by
+what her agent strayed since."""
+ROWS = 12
+
+
+@kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8[:,::1])")
+def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -> None:
+    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`.
+
+    `end` + `way` comes within their `room` (A, 2) [m] to each side of the centre.
+    """
+    for n in range(way.shape[0]):
+        if state[n] == on:
+            x, z = end[n, 0] + way[n, 0], end[n, 1] + way[n, 1]
+            way[n, 0] += min(max(x, -room[n, 0]), room[n, 0]) - x
+            way[n, 1] += min(max(z, -room[n, 1]), room[n, 1]) - z
+
+
+@kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f4[:,::1], f8, f8, f8)")
+def stray_wishes(
+    rows: Float64,
+    position: Float32,
+    obedience: Float64,
+    late: Float64,
+    shown: Float32,
+    fraction: float,
+    deaf: float,
+    leash: float,
+) -> None:
+    """Wish corrections as decided, and by `obedience` (A,) as far on as agents at `position` (A, 2) [m] have strayed.
+
+    They were so far ahead of their dancers when the measure began, and should be so far ahead when it ends; between,
+    at `fraction` of it, both go evenly. The measure of who is `late` (A,) on purpose, which she may not have begun yet,
+    ends so much later. Who is bound to her dancer (`leash` [m]) has not strayed: to an even way through the measure,
+    or who is late to where she is `shown` (A, 2) [m]. Less than `deaf` [m] counts for nothing.
+    """
+    for n in range(position.shape[0]):
+        rows[WISH, n, 0], rows[WISH, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
+        passed = fraction / (1.0 + late[n])
+        plan_x, plan_z = rows[END, n, 0] + rows[PLAN, n, 0], rows[END, n, 1] + rows[PLAN, n, 1]
+        x = rows[AHEAD, n, 0] * (1.0 - passed) + (rows[FORESEEN, n, 0] - plan_x) * passed
+        z = rows[AHEAD, n, 1] * (1.0 - passed) + (rows[FORESEEN, n, 1] - plan_z) * passed
+        even_x = rows[BEGIN, n, 0] + (plan_x - rows[BEGIN, n, 0]) * passed
+        even_z = rows[BEGIN, n, 1] + (plan_z - rows[BEGIN, n, 1]) * passed
+        if late[n] > 0.0:
+            x, z = x + even_x - shown[n, 0], z + even_z - shown[n, 1]
+            even_x, even_z = float(shown[n, 0]), float(shown[n, 1])
+        bound = min(1.0, leash / max(math.hypot(x, z), 1e-9))
+        x, z = (position[n, 0] - even_x) - x * bound, (position[n, 1] - even_z) - z * bound
+        size = math.hypot(x, z)
+        heard = obedience[n] * max(size - deaf, 0.0) / max(size, 1e-9)
+        rows[WISH, n, 0] += x * heard
+        rows[WISH, n, 1] += z * heard
+
+
+@kernel("void(f4[:,:,::1], f8[:,:,::1])")
+def held_feet(lock: Float32, held: Float64) -> None:
+    """How far each held foot of the lock (A, 2, 12) is from its clip's place, `held` (A, 2, 2) [m]; 0 for free ones."""
+    for n in range(lock.shape[0]):
+        for foot in range(2):
+            held[n, foot, 0] = float(lock[n, foot, SHIFT_X]) * lock[n, foot, HELD]
+            held[n, foot, 1] = float(lock[n, foot, SHIFT_Z]) * lock[n, foot, HELD]
+
+
+@kernel(
+    "void(f8[:,:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
+    " i1[::1], i8, f8[:,::1])"
+)
+def limit_wishes(
+    rows: Float64,
+    placement: Float64,
+    correction: Float64,
+    node: Int32,
+    gives: Float64,
+    holds: Float64,
+    lock: Float32,
+    share: Float64,
+    most: float,
+    most_held: float,
+    state: Int8,
+    on: int,
+    room: Float64,
+) -> None:
+    """Shorten wishes to what legs give, as `bound_ways` does, and keep those who are `on` the stage on it.
+
+    `placement` and `correction` (A, 3) of the clips danced, `lock` (A, 2, 12) of the feet, `share` (A,) and the rest as
+    there; `state` (A,) and `room` (A, 2) as in `keep_ends`.
+    """
+    yaw, held = np.empty(node.shape[0]), np.empty((node.shape[0], 2, 2))
+    for n in range(node.shape[0]):
+        yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
+    held_feet(lock, held)
+    bound_ways(rows[WISH], yaw, node, gives, holds, held, share, most, most_held)
+    keep_ends(rows[WISH], rows[END], state, on, room)
+
+
+@kernel(
+    "void(f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
+    " i1[::1], i8, f8, f8)"
+)
+def settle_ways(
+    correction: Float64,
+    target: Float64,
+    end: Float64,
+    placement: Float64,
+    node: Int32,
+    gives: Float64,
+    holds: Float64,
+    lock: Float32,
+    share: Float64,
+    most: float,
+    most_held: float,
+    state: Int8,
+    on: int,
+    edge_x: float,
+    edge_z: float,
+) -> None:
+    """Write the way of each `correction` (A, 3), as far as legs give, from `end` to `target` (A, 2) [m].
+
+    Those who are `on` the stage are sent no farther than to its edges; arrays else as in `limit_wishes`.
+    """
+    count = node.shape[0]
+    way, yaw, held = np.empty((count, 2)), np.empty(count), np.empty((count, 2, 2))
+    for n in range(count):
+        x, z = target[n, 0], target[n, 1]
+        if state[n] == on:
+            x, z = min(max(x, -edge_x), edge_x), min(max(z, -edge_z), edge_z)
+        way[n, 0], way[n, 1] = x - end[n, 0], z - end[n, 1]
+        yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
+    held_feet(lock, held)
+    bound_ways(way, yaw, node, gives, holds, held, share, most, most_held)
+    for n in range(count):
+        correction[n, 0], correction[n, 1] = way[n, 0], way[n, 1]
+
+
+@kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
+def take_wishes(
+    rows: Float64,
+    correction: Float64,
+    aimed: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    most: Float64,
+    least_left: float,
+) -> None:
+    """Bound wishes by `bound_aims`, move predictions with those that are open still, and add what avoids others."""
+    bound_aims(rows[WISH], correction, aimed, phase, node, rise, most, least_left)
+    for n in range(node.shape[0]):
+        if rows[WISH, n, 0] != correction[n, 0] or rows[WISH, n, 1] != correction[n, 1]:
+            rows[PREDICTED, n, 0] = rows[ASKED, n, 0] + rows[WISH, n, 0] - rows[PLAN, n, 0]
+            rows[PREDICTED, n, 1] = rows[ASKED, n, 1] + rows[WISH, n, 1] - rows[PLAN, n, 1]
+        rows[GOAL, n, 0] = rows[WISH, n, 0] + rows[DODGE, n, 0]
+        rows[GOAL, n, 1] = rows[WISH, n, 1] + rows[DODGE, n, 1]
+
+
+@kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
+def take_goals(
+    rows: Float64,
+    correction: Float64,
+    aimed: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    most: Float64,
+    least_left: float,
+) -> None:
+    """Bound goals, changed so that nobody touches, by `bound_aims`; what they are beyond the wishes is kept."""
+    bound_aims(rows[GOAL], correction, aimed, phase, node, rise, most, least_left)
+    for n in range(node.shape[0]):
+        rows[DODGE, n, 0] = rows[GOAL, n, 0] - rows[WISH, n, 0]
+        rows[DODGE, n, 1] = rows[GOAL, n, 1] - rows[WISH, n, 1]
+
+
+@kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8, f8, f8)")
+def follow_goals(
+    rows: Float64,
+    correction: Float64,
+    aimed: Float64,
+    phase: Float64,
+    node: Int32,
+    rise: Float64,
+    rate: float,
+    dt: float,
+    least_left: float,
+) -> None:
+    """Let aims follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped, and corrections lead there.
+
+    Arrays as in `re_aim_dancers`.
+    """
+    fall, slow = math.exp(-rate * dt), rate * dt
+    for n in range(node.shape[0]):
+        for c in range(2):
+            away = rows[AIM, n, c] - rows[GOAL, n, c]
+            bend = rows[AIM_SPEED, n, c] + rate * away
+            rows[AIM, n, c] = rows[GOAL, n, c] + fall * (away + bend * dt)
+            rows[AIM_SPEED, n, c] = fall * (rows[AIM_SPEED, n, c] - slow * bend)
+    re_aim_dancers(correction, aimed, rows[AIM], phase, node, rise, least_left)
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f8[:,:,::1], f8[:,::1], f8, f8, f8[::1], f4[:,::1])")
+def carry_agents(
+    reference: Float32,
+    pace: Float32,
+    rows: Float64,
+    correction: Float64,
+    fraction: float,
+    rate: float,
+    late: Float64,
+    shown: Float32,
+) -> None:
+    """Where agents are bound, `reference` (A, 2) [m], and how fast that moves, `pace` (A, 2) [m/s].
+
+    Evenly from the beginning of the measure to its end, of which `rate` passes in a second; who is `late` (A,) is bound
+    to where she is `shown` (A, 2) [m].
+    """
+    for n in range(reference.shape[0]):
+        for c in range(2):
+            way = rows[END, n, c] + correction[n, c] - rows[BEGIN, n, c]
+            reference[n, c] = rows[BEGIN, n, c] + way * fraction
+            pace[n, c] = way * rate
+            if late[n] > 0.0:
+                reference[n, c], pace[n, c] = shown[n, c], 0.0
+
+
+@kernel("void(f8[:,:,::1], f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
+def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Float32, reference: Float32) -> None:
+    """A measure begins along `path` (A, M, 2) [m]: its `correction` (A, 3) is what is planned, aimed at and led to.
+
+    Agents are at `position` (A, 2) [m], and bound to `reference` (A, 2) [m], where their dancers are.
+    """
+    for n in range(path.shape[0]):
+        for c in range(2):
+            rows[BEGIN, n, c] = reference[n, c] = path[n, 0, c]
+            rows[PLAN, n, c] = rows[AIM, n, c] = rows[GOAL, n, c] = correction[n, c]
+            rows[DODGE, n, c] = rows[AIM_SPEED, n, c] = 0.0
+            rows[PREDICTED, n, c] = rows[ASKED, n, c]
+            rows[AHEAD, n, c] = position[n, c] - rows[BEGIN, n, c]
+
+
+@kernel("void(f8[::1], f8[:,:,::1], f8[:,::1])")
+def end_rows(lag: Float64, rows: Float64, correction: Float64) -> None:
+    """How far everybody, with her `correction` (A, 3), ends the measure from her predicted agent, `lag` (A,) [m]."""
+    for n in range(lag.shape[0]):
+        x = rows[END, n, 0] + correction[n, 0] - rows[PREDICTED, n, 0]
+        z = rows[END, n, 1] + correction[n, 1] - rows[PREDICTED, n, 1]
+        lag[n] = math.hypot(x, z)

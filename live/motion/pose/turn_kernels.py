@@ -1,0 +1,187 @@
+"""Where each dancer's clip lies when part of a measure has passed: corrected, and turned on the feet that carry.
+
+The closed form of `editing/support_turns.py` (T048-T050) as a kernel over dancers.
+
+Where the measures of all dancers end, and where the clips that follow join, in one pass.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import kernel
+from live.base.scalar_kernels import ease
+from live.motion.pose.root_warp_kernels import risen, shifted
+from live.motion.yaw_kernels import yaw_rotate
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+
+
+@kernel("f8(f8,f8)")
+def soft_share(passed: float, softness: float) -> float:
+    """From 0 to 1 as `passed` does, speeding up and slowing down over the share `softness` (0 to 0.5) each."""
+    if softness < 1e-9:
+        return passed
+    edge = min(min(passed, 1.0 - passed), softness)
+    ramp = 0.5 * edge * edge / softness
+    inner = min(max(passed, softness), 1.0 - softness)
+    return (inner - softness + (ramp if passed < 0.5 else softness - ramp)) / (1.0 - softness)
+
+
+@kernel("UniTuple(f8,4)(f8[::1], f8[::1], f8[::1], f8, f8[:,::1], f8[:,::1], f8)")
+def placed(
+    placement: Float64,
+    correction: Float64,
+    aimed: Float64,
+    fraction: float,
+    turns: Float64,
+    rise: Float64,
+    on_support: float,
+) -> tuple[float, float, float, float]:
+    """x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `rise` of her node."""
+    share = risen(rise, fraction)
+    x = placement[0] + shifted(share, aimed[2], aimed[0], correction[0])
+    z = placement[1] + shifted(share, aimed[2], aimed[1], correction[1])
+    yaw, angle = placement[2], correction[2]
+    if on_support == 0.0:
+        return x, z, yaw, yaw + ease(fraction) * angle
+    before, shift_x, shift_z = 0.0, 0.0, 0.0
+    for k in range(turns.shape[0]):
+        row = turns[k]
+        if row[2] == 0.0 or angle == 0.0 or fraction <= row[0]:
+            continue
+        passed = min((fraction - row[0]) / max(row[1] - row[0], 1e-12), 1.0)
+        progress = soft_share(passed, row[7])
+        turn = angle * row[2] * progress
+        way_x, way_z = (row[5] - row[3]) * progress, (row[6] - row[4]) * progress
+        # foot - turned(foot + way) + way turned on the average, all carried along by what was turned before
+        tx, tz = yaw_rotate(row[3] + way_x, row[4] + way_z, turn)
+        half = 0.5 * turn
+        even = 1.0 if abs(half) < 1e-6 else math.sin(half) / half
+        mx, mz = yaw_rotate(way_x, way_z, half)
+        dx, dz = yaw_rotate(row[3] - tx + even * mx, row[4] - tz + even * mz, before)
+        shift_x, shift_z = shift_x + dx, shift_z + dz
+        before += turn
+    dx, dz = yaw_rotate(shift_x, shift_z, yaw)
+    return x + dx, z + dz, yaw + before, yaw + before
+
+
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,::1], f8[::1])")
+def place_dancers(
+    out: Float64,
+    placement: Float64,
+    correction: Float64,
+    aimed: Float64,
+    fraction: Float64,
+    node: Int32,
+    turns: Float64,
+    rise: Float64,
+    on_support: Float64,
+) -> None:
+    """Placement (A, 4), x, z [m], yaw of path and body [rad], when `fraction` (A,) of the measure has passed.
+
+    `placement` and `correction` (A, 3): where the clip lies at the measure's start, and what is added until its end.
+    The way is added while a foot is in the air, as `rise` (N, KNOTS, 2) says for each node (`shifting/`); `aimed`
+    (A, 3) x, z [m] was in already when the share in its last column was, and the rest leads from there. The turn,
+    where `on_support` (A,) is not 0, happens while one foot carries and about that foot: `turns` (N, 8, 8) holds per
+    node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of each dancer.
+    Elsewhere body and path are turned apart: the body by an ease about the hips.
+    """
+    for n in range(out.shape[0]):
+        v = node[n]
+        x, z, path, body = placed(placement[n], correction[n], aimed[n], fraction[n], turns[v], rise[v], on_support[n])
+        out[n, 0], out[n, 1], out[n, 2], out[n, 3] = x, z, path, body
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,:,::1], f8[:,:,::1],"
+    " f8[::1], f4[:,::1], f8[::1], f8[::1], i4[::1], f8[:,::1], f4[::1], b1)"
+)
+def trace_hips(
+    path: Float32,
+    share: Float32,
+    phase: Float64,
+    placement: Float64,
+    correction: Float64,
+    aimed: Float64,
+    node: Int32,
+    turns: Float64,
+    rise: Float64,
+    on_support: Float64,
+    clip_root: Float32,
+    node_first: Float64,
+    node_last: Float64,
+    take: Int32,
+    take_offset: Float64,
+    take_share: Float32,
+    settled: bool,
+) -> None:
+    """Where the hips of A dancers are at M moments [m], `path` (A, M, 2), and how much of a correction is in by then.
+
+    `phase` (A, M): how far each dancer's measure is; below 0 nothing is written. Of an open measure the path is
+    without the correction's way, and its `share` (A, M) is the rise; of a `settled` one the way is in the path and
+    the share is 0. `clip_root` (S, 3) and `node_first`, `node_last` (N,) as in the library; another take's hips are
+    mixed in by `take_share` (A,), its clip lying at `take_offset` (A, 3) x, z [m], yaw in the axes of the own one.
+    Arrays else as in `place_dancers`.
+    """
+    nothing = np.zeros(3)
+    turn = np.zeros(3)
+    for n in range(node.shape[0]):
+        v = max(node[n], 0)
+        turn[2] = correction[n, 2]
+        for m in range(phase.shape[1]):
+            f = min(phase[n, m], 1.0)
+            if f < 0.0:
+                continue
+            way, start = (correction[n], aimed[n]) if settled else (turn, nothing)
+            x, z, yaw, _ = placed(placement[n], way, start, f, turns[v], rise[v], on_support[n])
+            k = min(int(node_first[v] + f * (node_last[v] - node_first[v]) + 0.5), clip_root.shape[0] - 1)
+            hx, hz = clip_root[k, 0], clip_root[k, 2]
+            if take_share[n] > 0.0 and take[n] >= 0:
+                u = take[n]
+                k = min(int(node_first[u] + f * (node_last[u] - node_first[u]) + 0.5), clip_root.shape[0] - 1)
+                ox, oz = yaw_rotate(clip_root[k, 0], clip_root[k, 2], take_offset[n, 2])
+                hx += take_share[n] * (take_offset[n, 0] + ox - hx)
+                hz += take_share[n] * (take_offset[n, 1] + oz - hz)
+            dx, dz = yaw_rotate(hx, hz, yaw)
+            path[n, m, 0], path[n, m, 1] = x + dx, z + dz
+            share[n, m] = 0.0 if settled else risen(rise[v], f)
+
+
+@kernel(
+    "void(f8[:,::1], f8[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,:,::1], f8[:,:,::1], f8[::1],"
+    " f8[:,::1], f8[::1], f8[:,::1], f8[::1])"
+)
+def end_dancers(
+    hips: Float64,
+    heading: Float64,
+    axes: Float64,
+    placement: Float64,
+    correction: Float64,
+    aimed: Float64,
+    node: Int32,
+    turns: Float64,
+    rise: Float64,
+    on_support: Float64,
+    end: Float64,
+    facing: Float64,
+    node_end: Float64,
+    node_facing: Float64,
+) -> None:
+    """Hips (A, 2) [m], heading (A,) [rad] and the `axes` (A, 3) x, z, yaw of the clips that follow, at measures' ends.
+
+    `placement` to `on_support` as in `place_dancers`; `end` (A, 2) and `facing` (A,): where hips and bodies end in the
+    clips' own axes, takes mixed in; `node_end` (N, 2) and `node_facing` (N,): the same of the nodes alone, from which
+    the graph's transforms go on (`next_axes`).
+    """
+    for n in range(node.shape[0]):
+        v = max(node[n], 0)
+        x, z, path, body = placed(placement[n], correction[n], aimed[n], 1.0, turns[v], rise[v], on_support[n])
+        dx, dz = yaw_rotate(end[n, 0], end[n, 1], path)
+        hips[n, 0], hips[n, 1], heading[n] = x + dx, z + dz, body + facing[n]
+        yaw = heading[n] - node_facing[v]
+        dx, dz = yaw_rotate(node_end[v, 0], node_end[v, 1], yaw)
+        axes[n, 0], axes[n, 1], axes[n, 2] = hips[n, 0] - dx, hips[n, 1] - dz, yaw

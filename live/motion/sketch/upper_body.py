@@ -1,0 +1,220 @@
+"""The arms of a sketch: led by keys, or hanging with a counter-swing, always trailing the body a little.
+
+The amounts of a sketch's keys as smooth functions of musical time.
+
+A pose of all samples at once while a sketch is turned into one, and what it rests on.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.curve import followed, hermite, monotone_slopes, repeated, smoothed, through
+from live.motion.skeleton import SKELETON
+from live.motion.sketch.foot_trajectories import FootTrack
+from live.motion.sketch.sketch_file import Key, Sketch
+from live.motion.two_bone_ik import bone_rotation, hinge_axis, two_bone
+
+Float = npt.NDArray[np.floating]
+
+SAMPLES_PER_BEAT: Final = 32
+_SOFT: Final = 0.05 * SAMPLES_PER_BEAT
+"""Rounds the accelerations of a key without moving it in time (standard deviation, in samples)."""
+
+
+class Channels:
+    """The amounts of one part at `beats` (T,), by channel; a channel that no line names is all zero."""
+
+    def __init__(self, sketch: Sketch, part: str, beats: Float) -> None:
+        self.keys = sketch.parts.get(part, ())
+        self.sketch = sketch
+        self.beats = beats
+        self.named = {name for key in self.keys for name in key.amounts} - {"neutral"}
+
+    def __getitem__(self, channel: str) -> Float:
+        if channel not in self.named:
+            return np.zeros(len(self.beats))
+        keys = [(key.beat, key.amounts.get(channel, 0.0)) for key in self.keys if _says(key, channel)]
+        times, values = closed(self.sketch, keys, self.beats)
+        return smoothed(through(times, values, self.beats), _SOFT)
+
+
+def _says(key: Key, channel: str) -> bool:
+    return channel in key.amounts or "neutral" in key.amounts
+
+
+def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tuple[Float, Float]:
+    """Times and values of keys (beat, amount) repeated over `beats`, or led from zero and back if not cyclic."""
+    if sketch.cyclic:
+        table = np.array(keys)
+        return repeated(table[:, 0], table[:, 1], sketch.beats, 0.0, beats)
+    table = np.array([(0.0, 0.0), *keys, (float(sketch.beats), 0.0)])
+    return table[:, 0], table[:, 1]
+
+
+def facing_keys(sketch: Sketch) -> tuple[Float, float]:
+    """Keys (K, 2) of the whole body's facing (beat, rad), and how far it has turned after the step."""
+    keys = [(key.beat, key.amounts["turn"]) for key in sketch.parts.get("body", ()) if "turn" in key.amounts]
+    if not keys or keys[0][0] > 0.0:
+        keys.insert(0, (0.0, 0.0))
+    return np.array(keys), keys[-1][1] - keys[0][1]
+
+
+def facing(sketch: Sketch, at: Float) -> Float:
+    """Facing of the whole body [rad] at the beats `at` (K,), going on from one repetition to the next."""
+    keys, turned = facing_keys(sketch)
+    if len(keys) == 1:
+        return np.full(len(at), keys[0, 1])
+    if not sketch.cyclic:
+        return through(keys[:, 0], keys[:, 1], at)
+    span = np.array((min(at.min(), 0.0), max(at.max(), 0.0)))
+    times, values = repeated(keys[:, 0], keys[:, 1], sketch.beats, turned, span)
+    return hermite(times, values, monotone_slopes(times, values), at)
+
+
+X_AXIS, Y_AXIS, Z_AXIS = np.eye(3)
+
+
+def joint_index(name: str) -> int:
+    """Index of a joint of the engine's skeleton."""
+    return SKELETON.index(name)
+
+
+def offset_of(name: str) -> Float:
+    """From the parent to the joint in the rest pose [m], (3,)."""
+    return np.asarray(SKELETON.offsets[joint_index(name)], np.float64)
+
+
+def about(axis: Float, angle: Float) -> Float:
+    """Rotations (T, 4) by `angle` [rad] (T,) about a fixed axis (3,)."""
+    return quaternion.from_axis_angle(axis, angle)
+
+
+def turned(turn: Float, lean: Float, tilt: Float) -> Float:
+    """Turn (left positive) about the vertical, lean forward, tilt to the left: angles (T,) → rotations (T, 4)."""
+    return quaternion.mul(about(Y_AXIS, turn), quaternion.mul(about(X_AXIS, lean), about(Z_AXIS, -tilt)))
+
+
+def share_of(rotation: Float, share: float) -> Float:
+    """The given share of a rotation, (T, 4)."""
+    return quaternion.slerp(
+        np.broadcast_to(np.array(quaternion.IDENTITY), rotation.shape), rotation, np.full(len(rotation), share)
+    )
+
+
+@dataclass(slots=True, eq=False)
+class Pose:
+    """World positions and rotations of the joints while a pose is put together, (T, J, 3) and (T, J, 4)."""
+
+    position: Float
+    rotation: Float
+
+    def attach(self, name: str, rotation: Float) -> Float:
+        """Hang the joint on its parent with the given world rotation; its world position (T, 3)."""
+        joint = joint_index(name)
+        parent = int(SKELETON.parents[joint])
+        offset = quaternion.rotate(self.rotation[:, parent], offset_of(name))
+        self.position[:, joint] = self.position[:, parent] + offset
+        self.rotation[:, joint] = rotation
+        return self.position[:, joint]
+
+    def of(self, name: str) -> tuple[Float, Float]:
+        """World position and rotation of a joint."""
+        return self.position[:, joint_index(name)], self.rotation[:, joint_index(name)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """What the feet give to the body over T samples."""
+
+    beats: Float
+    facing: Float
+    balance: Float
+    left: FootTrack
+    right: FootTrack
+    flights: list[tuple[float, float]]
+
+
+def stride_of(ground: Ground) -> Float:
+    """How far the left foot stands before the right one, as the dancer sees it [m], (T,)."""
+    apart = ground.left.ground - ground.right.ground
+    return np.asarray(apart[:, 0] * np.sin(ground.facing) + apart[:, 1] * np.cos(ground.facing))
+
+
+_REST_HAND: Final = np.array((0.115, -0.44, 0.075))
+"""Where a relaxed hand hangs from its shoulder: out, up, forward [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hand:
+    place: Float
+    """Out, up, forward from the shoulder [m], (T, 3)."""
+    elbow: Float
+    wrist: Float
+    keyed: Float
+    """1 where the sketch leads the hand, 0 where it hangs, (T,)."""
+
+
+def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
+    rows = []
+    for key in sketch.parts.get(part, ()):
+        a = key.amounts
+        if "rest" in a:
+            rows.append((key.beat, *_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0))
+            continue
+        place = a.get("out", 0.0), a.get("up", 0.0), a.get("forward", 0.0)
+        elbow = a.get("elbow out", 0.0), a.get("elbow up", 0.0), a.get("elbow forward", 0.0)
+        rows.append((key.beat, *place, *elbow, a.get("wrist", 0.0), 1.0))
+    rest = (*_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if not sketch.cyclic:
+        rows = [(0.0, *rest), *rows, (float(sketch.beats), *rest)]
+    if not rows:
+        rows = [(0.0, *rest)]
+    table = np.array(rows)
+    times, values = table[:, 0], table[:, 1:]
+    if sketch.cyclic:
+        cycles = np.arange(math.floor(beats[0] / sketch.beats) - 2, math.ceil(beats[-1] / sketch.beats) + 3)
+        times = (times[None] + cycles[:, None] * sketch.beats).ravel()
+        values = np.tile(values, (len(cycles), 1))
+    track = smoothed(through(times, values, beats), 0.06 * SAMPLES_PER_BEAT)
+    return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
+
+
+def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str) -> None:
+    hand = _hand(sketch, f"{name}_hand", ground.beats)
+    _, chest = pose.of("upperChest")
+    swing = -side * 0.75 * np.tanh(followed(stride_of(ground), 0.55 * SAMPLES_PER_BEAT, 0.6) / 0.6) * (1.0 - hand.keyed)
+    place = hand.place * (1.0 - 0.25 * np.maximum(swing, 0.0))[:, None]  # the elbow bends on the way forward
+    place = quaternion.rotate(about(X_AXIS, -swing), place * (side, 1.0, 1.0))
+    shoulder = Channels(sketch, f"{name}_shoulder", ground.beats)
+    high = np.clip((place[:, 1] + 0.25) / 0.7, 0.0, 1.0)
+    rise = np.arcsin(np.clip(shoulder["up"] / 0.135, -0.4, 0.7)) + math.radians(22.0) * high * high
+    front = np.arcsin(np.clip(shoulder["forward"] / 0.135, -0.5, 0.6))
+    clavicle = quaternion.mul(about(Y_AXIS, -side * front), about(Z_AXIS, side * rise))
+    pose.attach(f"{name}Shoulder", quaternion.mul(chest, clavicle))
+    root = pose.attach(f"{name}UpperArm", chest).copy()
+    frame = quaternion.slerp(about(Y_AXIS, ground.facing), chest, np.full(len(chest), 0.6))
+    hung = 0.5 * (followed(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
+    target = root + hung + quaternion.rotate(frame, place)
+    raised = np.clip((place[:, 1:2] + 0.15) / 0.5, 0.0, 1.0) ** 2
+    pole = (1.0 - raised) * (0.6, -0.6, -0.5) + raised * (0.9, -0.35, -0.25) + hand.elbow / 0.3
+    pole = quaternion.rotate(frame, pole * (side, 1.0, 1.0))
+    upper, lower = float(abs(offset_of("leftLowerArm")[0])), float(abs(offset_of("leftHand")[0]))
+    elbow, wrist = two_bone(root, target, pole, upper=upper, lower=lower)
+    hinge = hinge_axis(root, target, pole)
+    pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, hinge, side * X_AXIS, side * Y_AXIS)
+    forearm = bone_rotation(wrist - elbow, hinge, side * X_AXIS, side * Y_AXIS)
+    pose.attach(f"{name}LowerArm", forearm)
+    pose.attach(f"{name}Hand", _trailing(forearm, hand.wrist, side))
+
+
+def _trailing(forearm: Float, wrist: Float, side: float) -> Float:
+    """The hand's rotation (T, 4): the forearm's, bent by `wrist` [rad] and dragged behind quick movements."""
+    along = quaternion.rotate(forearm, side * X_AXIS)
+    late = quaternion.unit(followed(along, 0.35 * SAMPLES_PER_BEAT, 0.6))
+    drag = share_of(quaternion.from_two_vectors(along, late), 0.6)
+    return quaternion.mul(drag, quaternion.mul(forearm, about(Z_AXIS, side * wrist)))

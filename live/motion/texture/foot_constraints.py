@@ -1,0 +1,193 @@
+"""Footing: feet that stand go on standing where the sketch has them, whatever pelvis and legs get (P020).
+
+The order is the paper's: the pelvis and the upper body first; then the legs reach for the sketch's feet; that motion
+is textured in the legs, only while a foot is off the floor.
+
+Tying: a textured step begins and ends so near to its sketch that whatever joins the one joins the other.
+
+Steps are joined where poses at their measure lines are alike. A sketch's arms may be anywhere there as far as the
+recordings know, so there the upper body goes back towards the sketch, no farther than it must.
+
+T-poses that are held for calibration at either end of a recording: nobody dances them, so nothing is made of them.
+
+The paper only rejects fragments that last too long; a held pose trembles, and is cut in short ones all the same.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.editing.foot_correction import ANKLES, correct_floor, cover, find_feet, reach_with_feet
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.skeleton import SKELETON
+from live.motion.step_clip import StepClip
+from live.motion.texture.frequency_bands import Chart
+from live.motion.texture.texture_settings import LEGS, UPPER
+
+Float64 = npt.NDArray[np.float64]
+Float = npt.NDArray[np.floating]
+Bool = npt.NDArray[np.bool_]
+
+EASE: Final = 0.12
+"""Seconds beside a stance over which a leg's texture comes and goes."""
+LOW: Final = 0.05
+"""A sole lower than this [m] goes where the sketch has it."""
+STRETCHED: Final = 0.992
+"""The hips sink rather than stretch a leg to more than this share of its length, or than the sketch does."""
+_HIPS: Final = tuple(SKELETON.index(side + "UpperLeg") for side in ("left", "right"))
+_LEG: Final = float(
+    sum(np.linalg.norm(SKELETON.offsets[SKELETON.index(f"left{joint}")]) for joint in ("LowerLeg", "Foot"))
+)
+_SIDE_OF: Final = {joint: 0 if SKELETON.names[joint].startswith("left") else 1 for joint in LEGS}
+
+
+def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64], charts: Sequence[Chart]) -> Clip:
+    """The clip with the hips at `root` (T, 3), `rotation` (T, J, 4) above the legs, and the legs' texture.
+
+    `legs` holds for joints of the legs what is added to their angles (T, 3) in the `charts`. Ankles and feet are where
+    `sketch` has them while they are in contact; where a leg does not reach, the hips sink.
+    """
+    moved = not np.array_equal(root, sketch.root_position) or not np.array_equal(rotation[:, 0], sketch.rotation[:, 0])
+    if moved:
+        position, world = forward_kinematics(
+            sketch.root_position.astype(np.float64), sketch.rotation.astype(np.float64)
+        )
+        ankles, feet = position[:, ANKLES], world[:, ANKLES]
+        legs_own = np.linalg.norm(position[:, _HIPS] - ankles, axis=-1)
+        root = _sunk(root, rotation, ankles, np.maximum(legs_own, STRETCHED * _LEG), sketch.sample_rate)
+        rotation = reach_with_feet(root, rotation, ankles, feet)
+    if legs:
+        free = freedom(sketch.contact, find_feet(sketch).height, sketch.sample_rate)
+        for joint, change in legs.items():
+            angles = charts[joint].angles(rotation[:, joint]) + free[:, _SIDE_OF[joint], None] * change
+            rotation[:, joint] = np.where(
+                free[:, _SIDE_OF[joint], None] > 0.0, charts[joint].rotations(angles), rotation[:, joint]
+            )
+    clip = replace(
+        sketch,
+        root_position=np.ascontiguousarray(root, np.float32),
+        rotation=np.ascontiguousarray(quaternion.continuous(rotation), np.float32),
+    )
+    return correct_floor(clip).clip if legs or moved else clip
+
+
+def freedom(contact: Bool, height: Float, rate: float) -> Float64:
+    """How much texture each leg may have, (T, 2), smooth in time: none while its foot is in contact or its sole, at
+    `height` (T, 2) [m], is low, for it would skate; all from `EASE` away from that on."""
+    held = (contact | (height < LOW)).astype(np.float64)
+    return np.asarray(1.0 - cover(held, max(1, round(0.5 * EASE * rate))))
+
+
+def _sunk(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
+    """The hips lowered, softly in time, so that no leg is longer than `longest` (T, 2) [m]."""
+    for _ in range(2):
+        position, _ = forward_kinematics(root, rotation)
+        way = position[:, _HIPS] - ankles
+        flat = way[..., 0] ** 2 + way[..., 2] ** 2
+        highest = np.sqrt(np.maximum(longest**2 - flat, 0.0))
+        depth = np.maximum(way[..., 1] - highest, 0.0).max(axis=1, keepdims=True)
+        if not depth.any():
+            return root
+        root = root - np.array((0.0, 1.0, 0.0)) * cover(depth, max(1, round(0.08 * rate)))
+    return root
+
+
+APART_M: Final = 0.06
+"""How far upper joints may be from the sketch's at a measure line, root mean square: well within what is joined."""
+WINDOW_BEATS: Final = 0.75
+"""How long before a measure line poses are compared and blended (T036)."""
+EASE_BEATS: Final = 0.5
+"""How long it takes to come and to go."""
+_ALL: Final = SKELETON.joint_count
+
+
+def tied(step: StepClip, textured: Clip, most: float = APART_M) -> tuple[Clip, tuple[float, float]]:
+    """`textured`, a clip of the sketch `step`, tied to it; and how much of it is left at both measure lines, 0 to 1.
+
+    Legs and hips stay: they hardly leave the sketch's.
+    """
+    beat = step.samples_per_measure / step.beats_per_measure
+    first, last = step.first, step.first + step.measures * step.samples_per_measure
+    begin = _kept(step.clip, textured, first - WINDOW_BEATS * beat, first, most)
+    end = _kept(step.clip, textured, last - WINDOW_BEATS * beat, last, most)
+    at = np.arange(textured.sample_count)
+    rise = _ease((at - first) / (EASE_BEATS * beat))
+    fall = _ease((last - WINDOW_BEATS * beat - at) / (EASE_BEATS * beat))
+    share = np.minimum(begin + (1.0 - begin) * rise, end + (1.0 - end) * fall)
+    rotation = textured.rotation.astype(np.float64)
+    joints = list(UPPER)
+    rotation[:, joints] = quaternion.slerp(step.clip.rotation[:, joints], rotation[:, joints], share[:, None])
+    signed = np.ascontiguousarray(quaternion.continuous(rotation), np.float32)
+    return replace(textured, rotation=signed), (begin, end)
+
+
+def _kept(sketch: Clip, textured: Clip, first: float, last: float, most: float) -> float:
+    """The share of the texture with which joints are `most` from the sketch's between two samples."""
+    part = slice(max(0, int(first)), int(np.ceil(last)) + 1)
+    places = []
+    for clip in (sketch, textured):
+        rotation = clip.rotation[part].astype(np.float64)
+        rotation[:, 0] = (1.0, 0.0, 0.0, 0.0)
+        places.append(forward_kinematics(np.zeros((len(rotation), 3)), rotation)[0])
+    apart = float(
+        np.sqrt((np.linalg.norm(places[0] - places[1], axis=-1)[:, list(UPPER)] ** 2).sum(axis=1).max() / _ALL)
+    )
+    return min(1.0, most / max(apart, 1e-9))
+
+
+def _ease(u: Float) -> Float64:
+    u = np.clip(u, 0.0, 1.0)
+    return np.asarray(u * u * (3.0 - 2.0 * u))
+
+
+LEVEL: Final = 0.35
+"""An arm is level while its direction rises or falls by less than this."""
+OPPOSITE: Final = -0.8
+"""Arms point away from each other while the product of their directions is below this."""
+STILL: Final = 0.3
+"""Hands are still while they are slower than this [m/s]."""
+HELD_S: Final = 0.5
+"""A pose held shorter than this [s] is part of a dance."""
+EDGE_S: Final = 3.0
+"""A pose taken later than this [s] after the beginning, or left so long before the end, is a dance's own."""
+LOWERED_S: Final = 0.5
+"""How long it takes to leave it [s]."""
+_ARMS: Final = tuple((SKELETON.index(s + "UpperArm"), SKELETON.index(s + "Hand")) for s in ("left", "right"))
+
+
+def without_calibration(clip: Clip) -> Clip:
+    """The clip without T-poses at its beginning and its end; as it is where there are none, or nothing else."""
+    position, _ = forward_kinematics(clip.root_position, clip.rotation)
+    arms = [position[:, hand] - position[:, shoulder] for shoulder, hand in _ARMS]
+    arms = [arm / np.maximum(np.linalg.norm(arm, axis=-1, keepdims=True), 1e-6) for arm in arms]
+    level = np.maximum(np.abs(arms[0][:, 1]), np.abs(arms[1][:, 1])) < LEVEL
+    still = np.max([_speed(position[:, hand], clip.sample_rate) for _, hand in _ARMS], axis=0) < STILL
+    posed = level & still & (np.sum(arms[0] * arms[1], axis=-1) < OPPOSITE)
+    first, last = _held(posed, clip.sample_rate), clip.sample_count - _held(posed[::-1], clip.sample_rate)
+    if (first, last) == (0, clip.sample_count) or last - first < clip.sample_rate:
+        return clip
+    part = slice(first, last)
+    root, rotation = np.ascontiguousarray(clip.root_position[part]), np.ascontiguousarray(clip.rotation[part])
+    return Clip(clip.name, root, rotation, clip.sample_rate, np.ascontiguousarray(clip.contact[part]))
+
+
+def _speed(position: Float, rate: float) -> Float:
+    """Speed [m/s] of a joint at (T, 3), about each sample."""
+    if len(position) < 2:
+        return np.zeros(len(position))
+    return np.asarray(np.linalg.norm(np.gradient(position, axis=0), axis=-1) * rate)
+
+
+def _held(posed: npt.NDArray[np.bool_], rate: float) -> int:
+    """Samples at the beginning until the last pose held there is left; 0 if none is."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], posed, [False])).astype(np.int8)))
+    first = 0
+    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        if begin - first < EDGE_S * rate and end - begin >= HELD_S * rate:
+            first = end
+    return 0 if first == 0 else min(len(posed), first + round(LOWERED_S * rate))

@@ -1,0 +1,122 @@
+"""All that is doubtful about the score of a show, by what it is about: what `live check` tells.
+
+Doubts about cameras: one that stands below the floor sees it from beneath, or nothing but its edge.
+
+Doubts about where entries of a score end: segments and elements that go on after their section.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+from live.rehearse.score_lint import cue_doubts, formation_doubts, section_doubts, sequence_doubts
+from live.show.group.dry_run import rehearsal_notes
+from live.show.patch.call_response_check import answer_doubts
+from live.show.patch.patch import Patch
+from live.show.patch.score_checks import calls_of
+from live.show.score.section_span import Stay, stay_of
+from live.show.show import Show
+
+EYE: Final = "/dance/camera/eye"
+
+
+def camera_doubts(patch: Patch) -> list[str]:
+    """The cameras of a patch, its scenes and its calls that stand below the floor."""
+    return [
+        f"{where}: the camera's eye is {-height:g} m below the floor (y = {height:g}); the floor is at y = 0"
+        for where, height in dict(_heights(patch)).items()
+        if height < 0.0
+    ]
+
+
+def _heights(patch: Patch) -> Iterator[tuple[str, float]]:
+    yield "[camera]", patch.camera.eye[1]
+    for view in patch.view:
+        yield f"view {view.name!r}", view.eye[1]
+    for scene in patch.scene:
+        eye = scene.set.get(EYE)
+        if isinstance(eye, tuple):
+            yield f"scene {scene.name!r}", eye[1]
+    for call, values, place in calls_of(patch):
+        if call == EYE and len(values) > 1 and isinstance(values[1], int | float):
+            yield f"{place[0]} {int(place[1]) + 1}, call {call}", float(values[1])
+
+
+TOLD: Final = 6
+"""Doubts of this kind at most."""
+
+
+def span_doubts(patch: Patch) -> list[str]:
+    """Segments and elements that are longer than what is left of their section when they begin.
+
+    They go on into what comes then. One that is written in measures of the whole score means that, where the next
+    section follows as it is written.
+    """
+    notes = [*_longer(patch, "segment"), *_longer(patch, "element")]
+    more = len(notes) - TOLD
+    return notes if more <= 0 else [*notes[:TOLD], f"... and {more} more that are longer than their sections"]
+
+
+def _longer(patch: Patch, kind: str) -> Iterator[str]:
+    for index, entry in enumerate(getattr(patch, kind)):
+        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        if stay.size is None or stay.begin + int(entry.measures) <= stay.size or _meant(patch, entry, stay):
+            continue
+        before = 0 if entry.section is not None else stay.first
+        end = f"section {patch.section[stay.section].name!r}" if patch.section else "the score"
+        default = "" if "measures" in entry.model_fields_set else " (measures is left out)"
+        yield (
+            f"{kind} {index + 1} begins in measure {entry.measure:g}"
+            + ("" if entry.section is None else f" of {entry.section!r}")
+            + f" and lasts {entry.measures:g} measures{default}, but {end} ends with measure {before + stay.size}: "
+            f"it goes on into what comes then; measures = {stay.size - stay.begin} ends it there"
+        )
+
+
+def _meant(patch: Patch, entry: Any, stay: Stay) -> bool:
+    """Whether it is written over sections that follow one another as they are written."""
+    if entry.section is not None or not patch.section:
+        return False
+    last, measure = stay.section, stay.begin + int(entry.measures)
+    while last < len(patch.section):
+        section = patch.section[last]
+        measure -= section.measures
+        if measure <= 0:
+            return True
+        if section.repeat != 1 or section.wait or section.then is not None:
+            return False
+        last += 1
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class Doubts:
+    """What is doubtful about things of one kind."""
+
+    name: str
+    """The kind, as in the table of `live check`."""
+    counted: str
+    """How many of them there are, in words."""
+    words: list[str]
+    """A line each; none if all is well."""
+    remedy: str
+    """What to do, in general."""
+
+
+def all_doubts(show: Show) -> list[Doubts]:
+    """Everything about a fresh show; none of it is an error: it starts with all of them. The show is used up."""
+    patch = show.patch
+    rows = (
+        ("sections", len(patch.section) or 1, section_doubts(patch),
+         "then = its name, a cue with section = its name, or leave it out"),
+        ("sequences", len(patch.sequence), sequence_doubts(show), "give it more measures, or fewer steps"),
+        ("improvisations", len(patch.improvise), answer_doubts(patch), "see docs/score.md"),
+        ("cues", len(patch.cue), cue_doubts(patch),
+         "make the fade or the count-in shorter, or let them come later"),
+        ("cameras", 1 + len(patch.view), camera_doubts(patch), "let it stand higher"),
+        ("formations", len(patch.formation), formation_doubts(show), "see `live formation`"),
+        ("ends", len(patch.segment) + len(patch.element), span_doubts(patch), "fewer measures, or begin earlier"),
+        ("ways", len(patch.segment), rehearsal_notes(show), "see docs/evolutions.md"),
+    )  # fmt: skip
+    things = {"ways": "segments", "ends": "segments and elements"}
+    return [Doubts(name, f"{count} {things.get(name, name)}", words, remedy) for name, count, words, remedy in rows]

@@ -1,0 +1,225 @@
+"""FakeBand: a band that drifts, stops, plays fills, loses the one and jumps to another tempo; seeded, in show time.
+
+It says what a tracker of sound would say: a statement a beat, and what the music of that beat was like.
+
+The sound of a made-up band: kick, snare and hat, enough for a beat tracker and a pair of ears.
+"""
+
+import wave
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import takewhile
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
+
+SLOWEST: Final = 60.0
+FASTEST: Final = 180.0
+"""Tempi [bpm] that the band does not leave."""
+DRIFT: Final = 0.004
+"""Standard deviation of the tempo's change from one beat to the next, as a share ..."""
+HOME: Final = 0.02
+"""... and how much of the way back to the tempo that the piece has."""
+LATENESS: Final = 0.09
+"""Seconds after a beat at which a tracker speaks of it."""
+SALT: Final = 0xBA4D
+
+
+@dataclass(frozen=True, slots=True)
+class Manners:
+    """How often a band does what, per measure, and how far it goes."""
+
+    stop: float = 0.01
+    """It stops for one to eight beats, and goes on with a one."""
+    fill: float = 0.08
+    """A measure of many onsets in which beats are hard to hear."""
+    wrong_one: float = 0.01
+    """From here on the tracker takes another beat for the one, for one to twelve measures."""
+    leap: float = 0.006
+    """Another piece: the tempo changes by up to a half."""
+    drift: float = DRIFT
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """One beat as it was played."""
+
+    time: float
+    """When [s of the show]."""
+    period: float
+    """Seconds to the next one."""
+    beat: int
+    """Which of its measure, from 0."""
+    measure: int
+    """Measures of the band before it."""
+    fill: bool
+    """Whether it belongs to a fill."""
+    heard_as: int
+    """Which beat of the measure a tracker takes it for."""
+    before: float
+    """Seconds of silence before it."""
+
+
+class FakeBand:
+    """Plays on and on; `played` is what it plays, `events` what is heard of that."""
+
+    def __init__(
+        self,
+        seed: int,
+        *,
+        bpm: float = 112.0,
+        beats_per_measure: int = 4,
+        source: str = "audio",
+        manners: Manners | None = None,
+        start: float = 0.5,
+    ) -> None:
+        self._chance = np.random.default_rng([seed, SALT])
+        self._home = self.bpm = bpm
+        self._beats = beats_per_measure
+        self._source = source
+        self._manners = manners or Manners()
+        self._time = start
+        self._measure = 0
+        self._wrong, self._wrong_left = 0, 0
+        self.did = {"stop": 0, "fill": 0, "wrong one": 0, "leap": 0}
+        """How often it did what it should not."""
+
+    def played(self) -> Iterator[Played]:
+        """Beat after beat, without an end."""
+        while True:
+            fill, silence = self._begin_measure()
+            for beat in range(self._beats):
+                self._drift()
+                period = 60.0 / self.bpm * (1.0 + 0.01 * float(self._chance.standard_normal()))
+                before, silence = silence, 0.0
+                self._time += before
+                heard_as = (beat + self._wrong) % self._beats
+                yield Played(self._time, period, beat, self._measure, fill, heard_as, before)
+                self._time += period
+            self._measure += 1
+
+    def _begin_measure(self) -> tuple[bool, float]:
+        """Whether a fill begins, and how long the band rests before the one [s]."""
+        manners, chance = self._manners, self._chance
+        stop, fill, wrong, leap = chance.random(4) < (manners.stop, manners.fill, manners.wrong_one, manners.leap)
+        if leap:
+            self.did["leap"] += 1
+            self._home = float(np.clip(self._home * np.exp2(chance.uniform(-0.6, 0.6)), SLOWEST, FASTEST))
+            self.bpm = self._home
+        if self._wrong_left:
+            self._wrong_left -= 1
+            if not self._wrong_left:
+                self._wrong = 0
+        elif wrong:
+            self.did["wrong one"] += 1
+            self._wrong, self._wrong_left = int(chance.integers(1, max(2, self._beats))), int(chance.integers(1, 13))
+        self.did["fill"] += int(fill)
+        self.did["stop"] += int(stop)
+        return bool(fill), int(chance.integers(1, 9)) * 60.0 / self.bpm if stop else 0.0
+
+    def _drift(self) -> None:
+        step = self._manners.drift * float(self._chance.standard_normal())
+        tempo = self.bpm * (1.0 + step) + HOME * (self._home - self.bpm)
+        self.bpm = float(np.clip(tempo, SLOWEST, FASTEST))
+
+    def events(self) -> Iterator[ControlEvent]:
+        """What a tracker says, in the order of its times."""
+        yield SourceChanged(time=0.0, source=self._source, state="found")
+        for played in self.played():
+            if played.before > 2.0:
+                since = played.time - played.before + 1.5
+                yield SourceChanged(time=since, source=self._source, state="silent")
+                yield SourceChanged(time=played.time, source=self._source, state="found")
+            time = played.time + LATENESS
+            yield self._statement(played, time)
+            yield self._music(played, time)
+
+    def _statement(self, played: Played, time: float) -> BeatHeard:
+        chance = self._chance
+        sure = chance.uniform(0.15, 0.5) if played.fill or self._wrong else chance.uniform(0.7, 1.0)
+        return BeatHeard(
+            time=time,
+            source=self._source,
+            beat_time=played.time + float(chance.normal(0.0, 0.03 if played.fill else 0.006)),
+            period=played.period,
+            confidence=float(sure),
+            beat=played.heard_as,
+            beats_per_measure=self._beats,
+        )
+
+    def _music(self, played: Played, time: float) -> MusicHeard:
+        """Loudness goes in arcs of sixteen measures: a build-up, and a drop where the next arc begins."""
+        chance = self._chance
+        arc = (played.measure % 16 + played.beat / self._beats) / 16.0
+        loud = float(np.clip(0.25 + 0.6 * arc + 0.08 * chance.standard_normal(), 0.0, 1.0))
+        return MusicHeard(
+            time=time,
+            source=self._source,
+            beat_time=played.time,
+            loudness=loud,
+            density=float(chance.uniform(4.0, 8.0) if played.fill else chance.uniform(1.0, 4.0)),
+            brightness=float(np.clip(0.3 + 0.5 * arc + 0.1 * chance.standard_normal(), 0.0, 1.0)),
+            low=float(chance.uniform(0.3, 1.0)),
+            build=float(max(0.0, 4.0 * arc - 3.0)),
+            drop=played.measure % 16 == 0 and played.measure > 0 and played.beat == 0,
+            loudness_db=-40.0 + 30.0 * loud,
+        )
+
+
+Float32 = npt.NDArray[np.float32]
+RATE: Final = 44100
+
+
+def sound_of(band: FakeBand, seconds: float, *, seed: int = 0) -> Float32:
+    """The band's first `seconds`, mono at RATE, shape (samples,), within [-1, 1]."""
+    chance = np.random.default_rng([seed, 0x50BD])
+    out = np.zeros(int(seconds * RATE), np.float32)
+    kick, snare, hat = _kick(), _noise(chance, 0.16, 0.05), _noise(chance, 0.05, 0.012)
+    for played in takewhile(lambda beat: beat.time < seconds, band.played()):
+        for when, sound, level in _strokes(played, chance, kick, snare, hat):
+            begin = int(when * RATE)
+            end = min(begin + len(sound), len(out))
+            if 0 <= begin < end:
+                out[begin:end] += level * sound[: end - begin]
+    peak = float(np.abs(out).max()) if len(out) else 0.0
+    return out / np.float32(max(peak * 1.05, 1e-6))
+
+
+def _strokes(
+    played: Played, chance: np.random.Generator, kick: Float32, snare: Float32, hat: Float32
+) -> list[tuple[float, Float32, float]]:
+    """Kick on the one and in the middle, snare between, hats on eighths; in a fill the snare alone, in sixteenths."""
+    time, period = played.time, played.period
+    if played.fill:
+        places = time + period * (np.arange(4) + chance.uniform(-0.08, 0.08, 4)) / 4.0
+        return [(float(place), snare, float(chance.uniform(0.3, 0.8))) for place in places]
+    strokes = [(time, hat, 0.35), (time + 0.5 * period, hat, 0.25)]
+    if played.beat % 2 == 0:
+        strokes.append((time, kick, 1.0 if played.beat == 0 else 0.8))
+    else:
+        strokes.append((time, snare, 0.6))
+    return strokes
+
+
+def write_sound(path: Path, sound: Float32) -> None:
+    """Write it as a 16-bit WAV file. OSError if that cannot be."""
+    with wave.open(str(path), "wb") as out:
+        out.setnchannels(1)
+        out.setsampwidth(2)
+        out.setframerate(RATE)
+        out.writeframes((np.clip(sound, -1.0, 1.0) * 32767.0).astype("<i2").tobytes())
+
+
+def _kick() -> Float32:
+    time = np.arange(int(0.25 * RATE)) / RATE
+    sweep = 2.0 * np.pi * (48.0 * time + 90.0 * 0.03 * (1.0 - np.exp(-time / 0.03)))
+    return (np.sin(sweep) * np.exp(-time / 0.08)).astype(np.float32)
+
+
+def _noise(chance: np.random.Generator, seconds: float, decay: float) -> Float32:
+    time = np.arange(int(seconds * RATE)) / RATE
+    return (chance.standard_normal(len(time)) * np.exp(-time / decay) * 0.4).astype(np.float32)

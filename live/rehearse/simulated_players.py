@@ -1,0 +1,199 @@
+"""FakePlayers: people with phones and control surfaces, who touch a show when they like; Poisson, seeded.
+
+Words: what players of a show may say for the arguments of controls, from its patch; and what makes no sense.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from live.control.registry.control import Argument, Control, Plain
+from live.control.registry.registry import REGISTRY
+from live.control.registry.system_controls import ASKING_CONTROLS
+from live.show.patch.patch import Patch
+from live.show.patch.section_score import formation_names
+
+FORMATIONS: Final = ("circle", "line", "grid", "star:6", "block", "wedge", "arc", "two lines", "spiral", "heart")
+PLACES: Final = ("left", "right", "front", "back", "centre", "all", "*", "1-4", "2 + 5", "front - 1", "left & back")
+FACINGS: Final = ("public", "path", "centre", "attractor", "30", "-120", "dancer 3", "dancer 999")
+JUNK: Final = ("", " ", "nobody", "\x00", "Ω" * 40, "x" * 64, "1-", "& &", "9" * 60, "*", "-1", "nan", "left &")
+HOSTILE: Final = (
+    float("nan"), float("inf"), -float("inf"), 1e300, -1e9, 0.0, -0.0, 2**63, True, None, b"\xff\xfe", "", "x" * 300,
+)  # fmt: skip
+
+
+class Words:
+    """The vocabulary of one show. Seeded from outside: every call takes its chance."""
+
+    def __init__(self, patch: Patch, steps: Sequence[str]) -> None:
+        groups = [group.name for group in patch.group]
+        formations = formation_names(patch.formation)
+        self._of: dict[str, list[str]] = {
+            "group": ["*", *groups, *groups],
+            "who": ["*", *groups, *PLACES, *(f"{name} & left" for name in groups)],
+            "formation": [*formations, *formations, *FORMATIONS],
+            "step": list(steps),
+            "section": [section.name for section in patch.section] or ["verse"],
+            "cue": [cue.name for cue in patch.cue] or ["1"],
+            "scene": ["start", *(scene.name for scene in patch.scene)],
+            "view": ["start", *(view.name for view in patch.view)],
+            "look": ["start", *(look.name for look in patch.looks)],
+            "signal": [*(signal.name for signal in patch.signal), "hit", "drop"],
+            "gate": ["*", "left", "right", "back"],
+            "thing": ["tree", "rope", "chair"],
+        }
+
+    def values(self, control: Control, chance: np.random.Generator) -> list[Plain]:
+        """Values that the control takes, if there is what they name; optional ones are sometimes left out."""
+        values: list[Plain] = []
+        for argument in control.arguments:
+            if argument.default is not None and chance.random() < 0.3:
+                break
+            values.append(self._value(control.address, argument, chance))
+        return values
+
+    def _value(self, address: str, argument: Argument, chance: np.random.Generator) -> Plain:
+        if argument.type == "bool":
+            return bool(chance.random() < 0.5)
+        if argument.type == "float":
+            return _number(argument, chance)
+        return self._text(address, argument, chance)
+
+    def _text(self, address: str, argument: Argument, chance: np.random.Generator) -> str:
+        name = argument.name
+        if name in ("points", "begins"):
+            return points(chance, 1 if name == "begins" else int(chance.integers(2, 7)))
+        if name == "facing":
+            return _one(FACINGS, chance)
+        if name == "steps":
+            return ", ".join(_one(self._of["step"], chance) for _ in range(int(chance.integers(1, 5))))
+        if name == "match":
+            return _one(("squared", "shortest", "equal", "both", "bottleneck", "number"), chance)
+        if name == "when":
+            return _one(("measure", "section"), chance)
+        if name == "whom":
+            return _one((str(int(chance.integers(1, 12))), self._of["group"][-1]), chance)
+        return _one(self._of[self._kind(address, argument)], chance)
+
+    def _kind(self, address: str, argument: Argument) -> str:
+        """Which words an argument wants: by its own name, or where it is only a name by that of its control."""
+        name = argument.name
+        if name == "dancers" or (name == "group" and argument.type == "text"):
+            return "who"
+        if name in self._of:
+            return name
+        for word, kind in (
+            ("step", "step"), ("now", "step"), ("camera", "view"), ("look", "look"), ("scene", "scene"),
+            ("cue", "cue"), ("standby", "cue"), ("signal", "signal"),
+        ):  # fmt: skip
+            if f"/dance/{word}" == address or address.startswith(f"/dance/{word}/"):
+                return kind
+        return "thing"
+
+
+def junk(chance: np.random.Generator) -> list[object]:
+    """Values of any kind and number that no control can want."""
+    pool: tuple[object, ...] = (*HOSTILE, *JUNK)
+    return [pool[int(chance.integers(len(pool)))] for _ in range(int(chance.integers(0, 9)))]
+
+
+def points(chance: np.random.Generator, count: int) -> str:
+    """`count` points of a stage, as text."""
+    return ", ".join(f"{x:.2f} {z:.2f}" for x, z in chance.uniform((-4.5, -2.8), (4.5, 2.8), (count, 2)))
+
+
+def _one(pool: Sequence[str], chance: np.random.Generator) -> str:
+    return pool[int(chance.integers(len(pool)))]
+
+
+def _number(argument: Argument, chance: np.random.Generator) -> float:
+    """Within the range; mostly near what is sensible, for ranges reach far beyond a stage."""
+    low, high = argument.minimum, argument.maximum
+    if chance.random() < 0.05:
+        return float(chance.choice((low, high)))
+    if argument.name == "measures":
+        low, high = max(low, 0.25), min(high, 12.0)
+    elif argument.name in ("x", "x2", "z", "z2", "y") and high > 4.0:
+        low, high = max(low, -4.5), min(high, 4.5)
+    elif argument.name in ("width", "depth"):
+        low, high = 5.0, 14.0
+    elif argument.name == "count":
+        high = 3.0
+    elif high - low > 1000.0:
+        high = low + 60.0
+    return float(chance.uniform(low, max(low, high)))
+
+
+SALT: Final = 0xF0E5
+RANKS: Final = {"audience": 0, "musician": 1, "operator": 2}
+FOLLOWED: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
+"""What a finger on a phone sends again and again while it moves."""
+SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
+"""How much more often some are used than others."""
+RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
+               "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
+               "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in", "/dance/output/fade",
+               "/dance/output/freeze", "/dance/output/flashes", "/dance/output/card",
+               "/dance/picture/quality")  # fmt: skip
+
+
+class Call(NamedTuple):
+    """One message."""
+
+    time: float
+    """When it arrives [s of the show]."""
+    address: str
+    values: list[object]
+    source: str
+
+
+class FakePlayers:
+    """So many people, each of whom touches something about `rate` times a minute."""
+
+    def __init__(
+        self, seed: int, words: Words, *, count: int = 8, rate: float = 6.0, nonsense: float = 0.05,
+        role: str = "operator", start: float = 0.0,
+    ) -> None:  # fmt: skip
+        """`rate` [1/min] of each; `nonsense`: the share of messages that make no sense; `role`: the most they may."""
+        self._chance = np.random.default_rng([seed, SALT])
+        self._words, self._nonsense = words, nonsense
+        self._rate = count * rate / 60.0
+        self._count, self._time = count, start
+        allowed = (control for control in REGISTRY if RANKS[control.who] <= RANKS[role])
+        self._controls = [control for control in allowed if control not in ASKING_CONTROLS]
+        weights = np.array([_share(control) for control in self._controls])
+        self._shares = weights / weights.sum()
+
+    def calls(self) -> Iterator[Call]:
+        """Message after message, in the order of their times, without an end."""
+        chance = self._chance
+        while self._rate > 0.0:
+            self._time += float(chance.exponential(1.0 / self._rate))
+            source = f"phone {int(chance.integers(self._count)) + 1}"
+            control = self._controls[int(chance.choice(len(self._controls), p=self._shares))]
+            if chance.random() < self._nonsense:
+                yield Call(self._time, control.address, junk(chance), source)
+                continue
+            values: list[object] = list(self._words.values(control, chance))
+            yield Call(self._time, control.address, values, source)
+            if control.address in FOLLOWED and len(values) >= 2:
+                yield from self._finger(control, values, source)
+
+    def _finger(self, control: Control, values: list[object], source: str) -> Iterator[Call]:
+        """The same finger, moving for a second or so."""
+        at = [index for index, argument in enumerate(control.arguments) if argument.name in ("x", "z")]
+        time = self._time
+        for _ in range(int(self._chance.integers(2, 20))):
+            time += 0.05
+            values = list(values)
+            for index in at:
+                values[index] = float(values[index]) + 0.1 * float(self._chance.standard_normal())  # type: ignore[arg-type]
+            yield Call(time, control.address, values, source)
+        self._time = time
+
+
+def _share(control: Control) -> float:
+    if control.address in RARE:
+        return 0.15
+    return SHARES.get(control.address, 1.0)

@@ -1,0 +1,275 @@
+"""Soak: hours of a show with a made-up band, made-up players and faults, in virtual time; nothing may go wrong.
+
+The show is what `live play` runs: engine, inbox, journal with snapshots, watch of the patch's files. Only the clock is
+moved by hand, and frames are drawn nowhere.
+
+What a soak is asked to run, and what came of it.
+"""
+
+import gc
+import json
+import time as _time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import psutil
+
+from live.base.event_queue import Inbox
+from live.base.fault_isolation import FAULTS
+from live.clock.time_source import ManualClock
+from live.control.events.events import BeatHeard, ControlEvent, MusicHeard
+from live.control.registry.registry import REGISTRY
+from live.rehearse.failure import Failure
+from live.rehearse.fault_injection import Edits, Fault, Mishaps, faults
+from live.rehearse.invariants import Watching
+from live.rehearse.simulated_band import FakeBand
+from live.rehearse.simulated_players import Call, FakePlayers, Words
+from live.show.engine import Engine
+from live.show.journal.journal import JournalSink
+from live.show.loader import LoadedShow, load_show
+from live.show.patch.hot_reload import PatchWatch
+from live.show.status import Status
+
+GROWTH_MB: Final = 20.0
+"""So much memory may change after the first hour (or the first third of a shorter run)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is run."""
+
+    patch: Path
+    seed: int = 0
+    hours: float = 1.0
+    fps: float = 16.0
+    """Frames per second of the show, on the average."""
+    players: int = 8
+    calls: float = 6.0
+    """What each player does in a minute."""
+    faults: float = 1.0
+    """How often things go wrong; 1: about once a minute."""
+
+
+@dataclass(slots=True)
+class Report:
+    """What came of it."""
+
+    plan: Plan
+    seconds: float = 0.0
+    """Of the show."""
+    took: float = 0.0
+    """Of the machine [s]."""
+    measures: int = 0
+    leapt: int = 0
+    frames: int = 0
+    skipped: int = 0
+    problems: list[str] = field(default_factory=list)
+    count: int = 0
+    """Problems in all."""
+    events: dict[str, int] = field(default_factory=dict)
+    refused: dict[str, int] = field(default_factory=dict)
+    faults: dict[str, int] = field(default_factory=dict)
+    band: dict[str, int] = field(default_factory=dict)
+    edits: dict[str, int] = field(default_factory=dict)
+    frames_ms: list[dict[str, float]] = field(default_factory=list)
+    """In real time: CPU time of frames [ms], late frames and memory, in rows of some seconds."""
+    memory: list[tuple[float, float]] = field(default_factory=list)
+    """Seconds of the show, resident memory [MB]."""
+    objects: list[tuple[float, int]] = field(default_factory=list)
+    journal: dict[str, Any] = field(default_factory=dict)
+    failures: list[dict[str, Any]] = field(default_factory=list)
+    """Exceptions, each with its place and its whole traceback (`Failure.facts`)."""
+    replay: dict[str, Any] = field(default_factory=dict)
+    status: dict[str, Any] = field(default_factory=dict)
+    """The last figures of the show."""
+
+    def fail(self, failure: Failure, what: str = "") -> None:
+        """Note an exception: a line among the problems, all of it beside them."""
+        self.count += 1
+        self.problems.append(f"{what}{failure}")
+        self.failures.append(failure.facts())
+
+    @property
+    def growth(self) -> float | None:
+        """Largest change of memory [MB] after the first hour, or the first third of a shorter run."""
+        begin = min(3600.0, self.seconds / 3.0)
+        later = [size for time, size in self.memory if time >= begin]
+        return max(abs(size - later[0]) for size in later) if later else None
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing went wrong."""
+        grown = self.growth
+        different = self.replay.get("different", 0) or self.replay.get("problems")
+        return not self.count and not different and (grown is None or grown <= GROWTH_MB)
+
+    def as_json(self) -> dict[str, Any]:
+        """For `--report`."""
+        plan = {"patch": str(self.plan.patch), "seed": self.plan.seed, "hours": self.plan.hours, "fps": self.plan.fps}
+        facts = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "plan"}
+        speed = self.seconds / self.took if self.took else None
+        return {"ok": self.ok, **plan, "speed": speed, "memory_growth_mb": self.growth, **facts}
+
+
+SALT: Final = 0x50AC
+MEMORY_EVERY: Final = 60.0
+"""Seconds of the show from one look at memory to the next."""
+
+
+class Soak:
+    """One run."""
+
+    def __init__(self, plan: Plan, folder: Path, *, sink: JournalSink | None = None) -> None:
+        """`folder`: where the copy of the patch and the journal go; `sink`: who writes the journal there. PersonError
+        for a patch that does not start."""
+        self.plan = plan
+        self._chance = np.random.default_rng([plan.seed, SALT])
+        self.edits = Edits(plan.patch, folder / "patch", plan.seed)
+        self.loaded: LoadedShow = load_show(self.edits.path)
+        self.show = self.loaded.start(seed=plan.seed)
+        self.clock, self.inbox = ManualClock(), Inbox[ControlEvent]()
+        process = psutil.Process()
+        self._memory: Callable[[], float] = lambda: float(process.memory_info().rss / 1e6)
+        self.report = Report(plan)
+        self._rejected: dict[str, int] = self.report.refused
+        self.status = Status(self.show, rejected=lambda: self._rejected, memory=self._memory)  # type: ignore[arg-type,return-value]
+        self.journal_path = folder / "journal.jsonl"
+        header = self.loaded.header(self.show, tempo=None)
+        self.journal = Watching(self.journal_path, header, sink=sink)
+        self.journal.prepare(self.show)
+        self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self.journal)
+        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now)
+        self.status.more["journal"] = self.journal.facts
+        self.status.more["patch"] = self.watch.facts
+        patch = self.show.patch
+        words = Words(patch, self.loaded.graph.library.steps)
+        beats = patch.clock.beats_per_measure
+        self.band = FakeBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=beats)
+        self.players = FakePlayers(plan.seed, words, count=plan.players, rate=plan.calls)
+        self._heard = self.band.events()
+        self._calls: Iterator[Call] = self.players.calls()
+        self._faults: Iterator[Fault] = faults(plan.seed, rate=plan.faults)
+        self._next_heard = next(self._heard)
+        self._next_call = next(self._calls, None)
+        self._next_fault = next(self._faults, None)
+        self.mishaps = Mishaps(
+            put=self.inbox.put, call=self.call, refuse=self._refuse, calls=self._calls, edits=self.edits,
+            band=self.band, beats_per_measure=beats, chance=self._chance,
+        )  # fmt: skip
+        self._look = 0.0
+        self._failed_before = dict(FAULTS.counts)
+        self.between: Callable[[], None] = lambda: None
+        """Done before each frame."""
+        self.until: Callable[[], bool] = lambda: False
+        """Whether the run may end before its time."""
+        self.failure: Failure | None = None
+        """What ended the run before its time."""
+
+    def run(self, tell: Callable[[float, Report], None] | None = None) -> Report:
+        """Run it all; `tell` hears of it once a minute of the show. An exception is noted, and ends the run;
+        the report holds what was found whatever ends it, Ctrl-C too."""
+        report, begin, end = self.report, _time.perf_counter(), self.plan.hours * 3600.0
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        told = 0.0
+        try:
+            while self.clock.now() < end and not self.until():
+                self.between()
+                self._frame()
+                if self.clock.now() >= told:
+                    told += MEMORY_EVERY
+                    self._measure_memory()
+                    report.took = _time.perf_counter() - begin
+                    if tell is not None:
+                        tell(self.clock.now(), report)
+        except Exception as error:
+            self.failure = Failure.of(error, self.engine.ticks.index)
+        finally:
+            gc.enable()
+            gc.unfreeze()
+            self.journal.close(self.engine.ticks.index)
+            report.took = _time.perf_counter() - begin
+            self._sum_up()
+        return report
+
+    def _sum_up(self) -> None:
+        report = self.report
+        report.seconds = self.clock.now()
+        report.measures, report.leapt = self.journal.lines, self.journal.leapt
+        report.frames, report.skipped = self.status.frames, self.engine.ticks.skipped
+        report.problems, report.count = list(self.journal.problems), self.journal.count
+        if self.failure is not None:
+            report.fail(self.failure, "the show ends: ")
+        report.faults = self.mishaps.done
+        report.events, report.band, report.edits = self.journal.told, self.band.did, self.edits.saved
+        report.journal = {**self.journal.facts(), "bytes_an_hour": self._bytes_an_hour()}
+        for words in FAULTS.since(self._failed_before):
+            report.count += 1
+            report.problems.append(words)
+        if report.journal["dropped"]:
+            report.count += 1
+            report.problems.append(f"{report.journal['dropped']} lines of the journal were dropped")
+        if report.journal.get("snapshots_failed"):
+            report.count += 1
+            report.problems.append(f"{report.journal['snapshots_failed']} snapshots could not be taken")
+
+    def _bytes_an_hour(self) -> float:
+        hours = self.clock.now() / 3600.0
+        return self.journal_path.stat().st_size / hours if hours else 0.0
+
+    def _measure_memory(self) -> None:
+        now = self.clock.now()
+        self.report.memory.append((now, round(self._memory(), 1)))
+        self.report.objects.append((now, len(gc.get_objects())))
+
+    def _frame(self) -> None:
+        """One frame, and all that arrives before it."""
+        now = self.clock.now() + float(self._chance.uniform(0.5, 1.5)) / self.plan.fps + self.mishaps.stands_for
+        self.mishaps.stands_for = 0.0
+        while self._next_heard.time <= now:
+            self._hear(self._next_heard)
+            self._next_heard = next(self._heard)
+        while self._next_call is not None and self._next_call.time <= now:
+            self.call(self._next_call)
+            self._next_call = next(self._calls, None)
+        while self._next_fault is not None and self._next_fault.time <= now:
+            self.mishaps.do(self._next_fault)
+            self._next_fault = next(self._faults, None)
+        if now >= self._look:
+            self._look = now + 0.1
+            self.watch.look()
+            self.watch.tidy()
+        self.clock.set(now)
+        self.engine.frame(lambda view: self.journal.look(view, self.engine.ticks.index))
+        gc.collect(0)
+        self._say(now)
+
+    def _say(self, now: float) -> None:
+        """The status must always be plain JSON."""
+        if self.status.frames % round(self.plan.fps):
+            return
+        self.report.status = self.status.snapshot(now)
+        try:
+            json.dumps(self.report.status, allow_nan=False)
+        except ValueError as error:
+            self.journal.add(f"tick {self.engine.ticks.index}: the status is no JSON: {error}")
+
+    def _hear(self, event: ControlEvent) -> None:
+        if event.time < self.mishaps.deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
+            return
+        self.inbox.put(event)
+
+    def call(self, call: Call) -> None:
+        """What a player sends."""
+        event = REGISTRY.call(call.address, call.values, call.time, call.source)
+        if isinstance(event, ControlEvent):
+            self.inbox.put(event)
+        else:
+            self._refuse(type(event).__name__)
+
+    def _refuse(self, reason: str) -> None:
+        self._rejected[reason] = self._rejected.get(reason, 0) + 1

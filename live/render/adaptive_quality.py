@@ -1,0 +1,206 @@
+"""The ladder of quality: what is left out, step by step, when a machine cannot keep up, and when it comes back.
+
+Down at once, for a late frame is seen; up slowly, for a step that is taken back at once is seen, too. Only what is
+drawn changes, never what is danced.
+
+How much a picture may cost: one tier for software rendering, one for graphics cards and films without haste.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import moderngl
+
+from live.render.body.body_mesh import DISTANT, FINE, LIGHT
+
+_SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader", "microsoft basic render")
+_MEDIUM_ABOVE: Final = 120
+"""With more dancers than this even a graphics card draws the light body, and the coarse one far away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """What the passes ask before they allocate and draw."""
+
+    samples: int
+    """Multisampling of the picture. 0: surfaces first, each pixel lit once, edges smoothed after, all in 8 bits;
+    more: lit while drawn, in half floats, with glow around what is bright."""
+    near_level: int
+    """Body of the nearest dancers."""
+    near_count: int
+    """How many dancers at most get the near body; the others get `far_level`."""
+    far_level: int
+    floor_map: int
+    """Texels along the longer side of the floor's map of shadows and elements (cast at twice that)."""
+    mirror_divisor: int
+    """The dancers' mirror images in the floor are drawn at 1/n of the picture's size."""
+    left_out: tuple[str, ...] = ()
+    """Passes that are not drawn, whatever is asked for."""
+    scale: float = 1.0
+    """The scene is drawn at this share of the picture's size each way, and stretched."""
+    far_from: float = 12.0
+    """Nobody nearer to the camera than this [m] gets the far body, however many they are."""
+    points: int = 3000
+    """Points of light on a dancer who is drawn as particles, at most."""
+    ribbon_pieces: int = 96
+    """Pieces of each ribbon that are drawn; fewer make it shorter."""
+    ghost_level: int = LIGHT
+    """Body of the ghosts of trails."""
+
+
+SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
+"""Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
+CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
+"""For a graphics card, or for films that may take their time."""
+
+
+def is_software(ctx: moderngl.Context) -> bool:
+    """Whether pictures are computed by the processor, from the renderer's own name."""
+    name = str(ctx.info["GL_RENDERER"]).lower()
+    return any(word in name for word in _SOFTWARE)
+
+
+def choose(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:
+    """The tier for this driver; `samples` overrides its multisampling (lowered to what the driver can).
+
+    Raises ValueError if `samples` is negative.
+    """
+    if samples is not None and samples < 0:
+        raise ValueError(f"samples {samples}: 0 or more")
+    quality = SOFTWARE if is_software(ctx) else CARD
+    if quality is CARD and dancer_count > _MEDIUM_ABOVE:
+        quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT)
+    wanted = quality.samples if samples is None else samples
+    return replace(quality, samples=min(wanted, int(ctx.max_samples)))
+
+
+HALFLIFE: Final = 1.0
+"""After so many seconds a late frame counts half; after a step only those count that came since."""
+DOWN: Final = 0.06
+"""A larger share of late frames, by their time, takes the next step down."""
+SETTLE: Final = 1.0
+"""Seconds after a step down before the next one: only then is seen what the first one did."""
+BEGIN: Final = 2.0
+"""In the first seconds of a show late frames say nothing: drivers still compile."""
+CALM: Final = 0.005
+"""A smaller share than this for `PATIENCE` seconds, with `ROOM` to spare, takes a step up."""
+PATIENCE: Final = 15.0
+ROOM: Final = 0.75
+"""Up only while frames need less of their time than this share."""
+LONGEST: Final = 300.0
+"""Seconds of patience at most: it doubles with every step up that had to be taken back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of the ladder."""
+
+    name: str
+    """What is left out from here on, in words."""
+    quality: Quality
+    kind: str = ""
+    """What it takes from: a pass, or `styles`; empty: from every picture. Where there is none of it now, it is passed
+    over."""
+
+
+SMALLER: Final = (("3/4 of the size", 0.75), ("3/5 of the size", 0.6), ("half the size", 0.5))
+"""The last steps, and the share of the picture's width and height that they draw."""
+
+
+def ladder_of(best: Quality) -> tuple[Step, ...]:
+    """The steps from `best` down, each without something more; the resolution comes last."""
+    changes: list[tuple[str, str, dict[str, object]]] = []
+    left_out = best.left_out
+    if best.samples > 2:
+        changes.append(("half the samples", "", {"samples": 2}))
+    for name in ("trails", "bloom", "mirror"):
+        if name not in left_out:
+            left_out = (*left_out, name)
+            changes.append((f"no {name}", name, {"left_out": left_out}))
+    fewer = {"points": best.points // 2, "ribbon_pieces": best.ribbon_pieces // 2, "ghost_level": DISTANT}
+    changes.insert(-1, ("half the particles and ribbons", "styles", dict(fewer)))
+    changes.append(("a coarse floor", "", {"floor_map": max(best.floor_map // 2, 128)}))
+    changes.append(("lighter bodies", "", _lighter(best)))
+    for name, scale in SMALLER:
+        change: dict[str, object] = {"scale": scale * best.scale}
+        if (
+            best.near_level == LIGHT
+        ):  # pixels are wider then: an outline moves by as many of them as it did farther away
+            change["far_from"] = min(8.0, best.far_from * scale)
+        changes.append((name, "", change))
+    steps, quality = [Step("all", best)], best
+    for name, kind, change in changes:
+        quality = replace(quality, **change)  # type: ignore[arg-type]
+        steps.append(Step(name, quality, kind))
+    return tuple(steps)
+
+
+def _lighter(best: Quality) -> dict[str, object]:
+    if best.near_level == LIGHT:
+        return {"near_count": best.near_count // 4, "far_level": DISTANT, "far_from": min(8.0, best.far_from)}
+    return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # nobody's body changes within 5 m
+
+
+class Ladder:
+    """Decides which step is drawn; told after every frame how it went. Thread: the show's."""
+
+    def __init__(self, steps: int, helps: Callable[[int], bool] = lambda step: True) -> None:
+        """`steps`: how many there are; 0 is the best. `helps(step)`: whether what that step takes is drawn now."""
+        self._steps, self._helps = steps, helps
+        self.step = 0
+        """The step now."""
+        self.changes = 0
+        """How often it has changed."""
+        self.held: int | None = None
+        """The step that is held by hand."""
+        self._share = self._calm = 0.0
+        self._since = SETTLE - BEGIN
+        self._patience = PATIENCE
+        self._raised = False
+
+    def hold(self, step: int | None) -> None:
+        """Draw this step from now on, whatever happens (the lowest, if there are not so many); None: decide again."""
+        self.held = None if step is None else min(max(step, 0), self._steps - 1)
+        if self.held is not None and self.held != self.step:
+            self._go(self.held, raised=False)
+        self._since = self._calm = self._share = 0.0
+
+    def frame(self, late: bool, seconds: float, load: float, overload: float = 0.0) -> int:
+        """After a frame that came `seconds` after the last one, `late` or not: the step for the next.
+
+        `load`: the share of its time that was needed for everything but waiting; `overload`: 0 to 1, how much too much
+        the whole machine has to do. The more that is, the fewer late frames take a step down, and none is taken up.
+        """
+        if self.held is not None:
+            return self.step
+        self._since += seconds
+        kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
+        self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since > SETTLE))
+        if self._share > max(DOWN * (1.0 - overload), CALM):
+            self._calm = 0.0
+            if self._since > SETTLE and self.step < self._steps - 1:
+                if self._raised and self._since < 4.0 * PATIENCE:  # it was too early to go up
+                    self._patience = min(2.0 * self._patience, LONGEST)
+                self._go(self._below(), raised=False)
+            return self.step
+        self._calm = self._calm + seconds if self._share < CALM and load < ROOM and not overload else 0.0
+        if self._calm >= self._patience and self.step > 0:
+            self._go(self._above(), raised=True)
+        return self.step
+
+    def _below(self) -> int:
+        """The next step down that takes something from this picture, or the last one."""
+        return next((step for step in range(self.step + 1, self._steps) if self._helps(step)), self._steps - 1)
+
+    def _above(self) -> int:
+        """The step above the one that is felt now."""
+        felt = self.step
+        while felt > 1 and not self._helps(felt):
+            felt -= 1
+        return felt - 1
+
+    def _go(self, step: int, *, raised: bool) -> None:
+        self.step, self._raised = step, raised
+        self._since = self._calm = self._share = 0.0
+        self.changes += 1

@@ -1,0 +1,344 @@
+"""A character brought onto the engine's skeleton: turned about, made as tall, posed alike, and warped so that every
+joint lies where the dancer's lies. From then on it is moved as the generated bodies are: its feet stand where hers do.
+
+Which node of a character is which of the engine's joints, and which joint every other node goes with.
+
+A smooth warp that brings a character's joints to the dancer's: displacements spread by multiquadrics (Hardy 1971).
+
+Every joint lands exactly; between and around them the displacement changes smoothly, so limbs keep their roundness and
+clothes hold together. Soles come to lie on the floor; head, hands and toes move as a whole.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.motion import quaternion
+from live.motion.formats.file_error import MotionFileError, shown
+from live.motion.retarget.joint_mapping import find_body_among, split_name
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.render.characters.model import Model
+
+NEEDED = (
+    "hips", "head", "leftUpperArm", "leftLowerArm", "rightUpperArm", "rightLowerArm", "leftUpperLeg", "leftLowerLeg",
+    "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot",
+)  # fmt: skip
+"""Joints without which a character cannot dance."""
+
+
+def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
+    """For each of the engine's joints the node of the character, None where there is none.
+
+    A VRM says it; other files are known by their names and hierarchy (Mixamo, Rigify, Unreal's mannequin and others);
+    `said` gives nodes by name and rules. MotionFileError if a joint that is needed is missing.
+    """
+    found: dict[str, int | None] = dict.fromkeys(SKELETON.names)
+    if model.bones:
+        found |= {name: model.bones[name] for name in SKELETON.names if name in model.bones}
+    else:
+        found |= _by_names(model)
+    for joint, name in said.items():
+        found[joint] = _named(model, joint, name)
+    missing = [name for name in NEEDED if found[name] is None]
+    if missing:
+        some = ", ".join(shown(model.names[node]) for node in sorted(model.joints)[:8])
+        raise MotionFileError(
+            model.file, None, f"no {', no '.join(missing)} found among its bones ({some} ...)",
+            f'say which they are: joints = {{ {missing[0]} = "NAME" }}',
+        )  # fmt: skip
+    nodes = [node for node in found.values() if node is not None]
+    twice = next((node for node in nodes if nodes.count(node) > 1), None)
+    if twice is not None:
+        both = [joint for joint, node in found.items() if node == twice]
+        words = f"{model.names[twice]!r} would be {' and '.join(both)}"
+        raise MotionFileError(model.file, None, words, "say which they are: joints = { ... }")
+    return found
+
+
+def _named(model: Model, joint: str, name: str) -> int:
+    if joint not in SKELETON.names:
+        known = ", ".join(SKELETON.names)
+        raise MotionFileError(model.file, None, f"{shown(joint)} is no joint of a dancer", f"one of {known}")
+    for node in (*sorted(model.joints), *range(len(model.names))):
+        if model.names[node] == name:
+            return int(node)
+    some = ", ".join(model.names[node] for node in sorted(model.joints)[:12])
+    raise MotionFileError(model.file, None, f"no bone is called {shown(name)}", f"there are: {some} ...")
+
+
+def _by_names(model: Model) -> dict[str, int | None]:
+    bones = set(model.joints)
+    for node in model.joints:
+        parent = model.parents[node]
+        while parent >= 0 and parent not in bones:
+            bones.add(parent)
+            parent = model.parents[parent]
+    nodes = [node for node in model.order if node in bones]
+    place = {node: at for at, node in enumerate(nodes)}
+    parents = [place.get(model.parents[node], -1) for node in nodes]
+    body = find_body_among([model.names[node] for node in nodes], parents)
+    found = {name: None if at is None else nodes[at] for name, at in body.joints.items()}
+    if found["head"] is None and body.spine:
+        _numbered_neck(model, found, nodes[body.spine[-1]])
+    return found
+
+
+def _numbered_neck(model: Model, found: dict[str, int | None], chest: int) -> None:
+    """Rigify numbers its spine up into the head: what goes on from the chest under the same word is neck and head."""
+    chain = [chest]
+    while True:
+        word = split_name(model.names[chain[-1]])
+        above = (node for node in model.order if model.parents[node] == chain[-1])
+        nearest = next((node for node in above if split_name(model.names[node]) == word), None)
+        if nearest is None:
+            break
+        chain.append(nearest)
+    if len(chain) > 1:
+        found["head"] = chain[-1]
+        found["neck"] = chain[1] if len(chain) > 2 else None
+
+
+def owners(model: Model, joints: Mapping[str, int | None]) -> list[int]:
+    """For each node the engine's joint that it goes with: its own or that of the nearest above; hips above those."""
+    own = {node: SKELETON.index(name) for name, node in joints.items() if node is not None}
+    result = [SKELETON.index("hips")] * len(model.names)
+    for node in model.order:
+        parent = model.parents[node]
+        if node in own:
+            result[node] = own[node]
+        elif parent >= 0:
+            result[node] = result[parent]
+    return result
+
+
+Float64 = npt.NDArray[np.float64]
+
+_REST: Final = SKELETON.rest_positions().astype(np.float64)
+_SOFT: Final = 0.05
+"""How far around a joint the warp is nearly the same [m]."""
+_BLOCK: Final = 20_000
+
+
+def warp(position: Float64, place: Float64, weight: Float64) -> Float64:
+    """Positions (V, 3) warped as joints go from `place` (J, 3) to the rest pose; `weight` (V, J): what is a head."""
+    start, end = _anchors(position, place, weight)
+    moved = end - start
+    if np.abs(moved).max() < 1e-9:
+        return position
+    count = len(start)
+    system = np.zeros((count + 1, count + 1))
+    system[:count, :count] = _kernel(start, start)
+    system[:count, count] = system[count, :count] = 1.0
+    spread = np.linalg.lstsq(system, np.vstack([moved, np.zeros((1, 3))]), rcond=1e-10)[0]
+    out = position.copy()
+    for first in range(0, len(out), _BLOCK):
+        some = slice(first, first + _BLOCK)
+        out[some] += _kernel(position[some], start) @ spread[:count] + spread[count]
+    return out
+
+
+def _kernel(a: Float64, b: Float64) -> Float64:
+    squared = ((a[:, None, :] - b[None, :, :]) ** 2).sum(axis=2)
+    return np.asarray(-np.sqrt(squared + _SOFT * _SOFT))
+
+
+def _anchors(position: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64]:
+    """Points of the character and where they go: joints, soles, and what surrounds head, hands and toes."""
+    start, end = [*place], [*_REST]
+
+    def carry(joint: int, offset: Float64) -> None:
+        start.append(place[joint] + offset)
+        end.append(_REST[joint] + offset)
+
+    head = SKELETON.index("head")
+    own = position[weight[:, head] > 0.5] - place[head]
+    if len(own):
+        low, high = own.min(axis=0), own.max(axis=0)
+        middle = 0.5 * (low + high)
+        for axis in range(3):
+            for edge in (low, high):
+                offset = middle.copy()
+                offset[axis] = edge[axis]
+                if offset[1] >= 0.0:
+                    carry(head, offset)
+    for side, out in (("left", 1.0), ("right", -1.0)):
+        foot, toes, hand = (SKELETON.index(side + each) for each in ("Foot", "Toes", "Hand"))
+        carry(hand, np.array([0.17 * out, 0.0, 0.0]))
+        for joint in (foot, toes):
+            start.append(place[joint] * (1.0, 0.0, 1.0))
+            end.append(_REST[joint] * (1.0, 0.0, 1.0))
+        start.append((place[toes] + (0.0, 0.0, 0.07)) * (1.0, 0.0, 1.0))
+        end.append((_REST[toes] + (0.0, 0.0, 0.07)) * (1.0, 0.0, 1.0))
+    return np.array(start), np.array(end)
+
+
+_TRUNK: Final = ("hips", "spine", "chest", "upperChest", "neck", "head")
+_LIMBS: Final = tuple(
+    (side + bone, side + tip)
+    for side in ("left", "right")
+    for bone, tip in (
+        ("UpperArm", "LowerArm"), ("LowerArm", "Hand"), ("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot"),
+    )
+)  # fmt: skip
+"""Bones that are turned until they lie as the dancer's: from a joint to the next."""
+_SPLIT: Final = 0.035
+"""Over how much on both sides of a joint that the character lacks its skin goes from one bone to the next [m]."""
+
+
+def _at(name: str) -> int:
+    return SKELETON.index(name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fitted:
+    """All parts of a character one after the other, in the engine's rest pose (V vertices)."""
+
+    position: Float64
+    """[m], shape (V, 3)."""
+    normal: Float64
+    """Unit, shape (V, 3)."""
+    weight: Float64
+    """How much each of the engine's joints moves each vertex, rows sum to 1, shape (V, J)."""
+    height: float
+    """How tall the character is in its file [m]."""
+    moved: float
+    """How far joints lay from the dancer's at most after it was made as tall as she [m]: other proportions."""
+
+
+def fit(model: Model, joints: Mapping[str, int | None]) -> Fitted:
+    """Bring a character onto the skeleton; `joints` as `find_joints` has them. MotionFileError if it cannot be."""
+    own = owners(model, joints)
+    weight = _weights(model, own)
+    position = np.concatenate([part.position for part in model.parts])
+    normal = np.concatenate([part.normal for part in model.parts])
+    axes = _axes(model, joints)
+    position, normal, places = position @ axes.T, normal @ axes.T, model.place @ axes.T
+    known = np.array([joints[name] is not None for name in SKELETON.names])
+    place = np.array([places[joints[name] or 0] for name in SKELETON.names])
+    scale = _scale(model, place)
+    height = float(np.ptp(position[:, 1]))
+    feet = weight[:, [_at(side + each) for side in ("left", "right") for each in ("Foot", "Toes")]].sum(axis=1) > 0.5
+    floor = position[feet if feet.any() else slice(None), 1].min()
+    ankles = place[[_at("leftFoot"), _at("rightFoot")]].mean(axis=0)
+    origin = np.array([place[_at("hips"), 0], floor, ankles[2] - _REST[_at("leftFoot"), 2] / scale])
+    position, place = (position - origin) * scale, (place - origin) * scale
+    _fill_in(place, known)
+    weight = _split(weight, position, place, known)
+    position, normal, place = _posed(position, normal, place, weight)
+    if not np.isfinite(position).all():
+        raise MotionFileError(model.file, None, "its bones lie in one place", "a character in its rest pose expected")
+    moved = float(np.linalg.norm(place - _REST, axis=1)[known].max())
+    return Fitted(warp(position, place, weight), normal, weight, height, moved)
+
+
+def _weights(model: Model, own: list[int]) -> Float64:
+    owner = np.array(own)
+    rows = []
+    for part in model.parts:
+        dense = np.zeros((len(part.position), JOINT_COUNT))
+        lines = np.arange(len(dense))
+        for column in range(part.node.shape[1]):
+            np.add.at(dense, (lines, owner[part.node[:, column]]), part.weight[:, column])
+        rows.append(dense)
+    return np.concatenate(rows)
+
+
+def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
+    """Rows: the character's left, up and ahead in its file; up is one of the file's axes."""
+
+    def at(name: str) -> Float64:
+        return np.asarray(model.place[joints[name] or 0])
+
+    rise = at("head") - 0.5 * (at("leftFoot") + at("rightFoot"))
+    up = np.zeros(3)
+    strongest = int(np.argmax(np.abs(rise)))
+    up[strongest] = np.sign(rise[strongest])
+    left = at("leftUpperLeg") - at("rightUpperLeg") + at("leftUpperArm") - at("rightUpperArm")
+    left = left - up * (left @ up)
+    if not np.linalg.norm(rise) > 1e-6 or not np.linalg.norm(left) > 1e-6:
+        raise MotionFileError(model.file, None, "its bones lie in one place", "a character in its rest pose expected")
+    left /= np.linalg.norm(left)
+    return np.stack([left, up, np.cross(left, up)])
+
+
+def _scale(model: Model, place: Float64) -> float:
+    """What makes the head as high over the ankles as the dancer's is."""
+    own = place[_at("head"), 1] - 0.5 * (place[_at("leftFoot"), 1] + place[_at("rightFoot"), 1])
+    legs = [np.linalg.norm(place[_at(bone)] - place[_at(tip)]) for bone, tip in _LIMBS if "Hand" not in tip]
+    if not own > 1e-6 or min(legs) < 0.01 * own:
+        raise MotionFileError(model.file, None, "some of its bones have no length", "joints = { ... } that are right")
+    return float((_REST[_at("head"), 1] - _REST[_at("leftFoot"), 1]) / own)
+
+
+def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
+    """Places for the joints that the character lacks, in `place` (J, 3)."""
+    trunk = [_at(name) for name in _TRUNK]
+    for number, joint in enumerate(trunk):
+        if known[joint]:
+            continue
+        below = trunk[number - 1]  # filled in already; the hips are always there
+        above = next(each for each in trunk[number:] if known[each])  # the head is always there
+        part = (_REST[joint, 1] - _REST[below, 1]) / (_REST[above, 1] - _REST[below, 1])
+        place[joint] = place[below] + part * (place[above] - place[below])
+    for side in ("left", "right"):
+        shoulder, arm, fore, hand = (_at(side + each) for each in ("Shoulder", "UpperArm", "LowerArm", "Hand"))
+        foot, toes = _at(side + "Foot"), _at(side + "Toes")
+        if not known[shoulder]:
+            place[shoulder] = place[arm] + _REST[shoulder] - _REST[arm]
+        if not known[hand]:
+            place[hand] = place[fore] + (place[fore] - place[arm]) * (0.245 / 0.265)
+        if not known[toes]:
+            place[toes] = place[foot] + _REST[toes] - _REST[foot]
+            place[toes, 1] = max(place[toes, 1], 0.02)
+
+
+def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
+    """Skin beyond a joint that the character lacks goes with it, and no more with the bone below."""
+    pairs = [(_TRUNK[n], _TRUNK[n + 1]) for n in range(len(_TRUNK) - 1)]
+    pairs += [(side + a, side + b) for side in ("left", "right") for a, b in (("Foot", "Toes"), ("LowerArm", "Hand"))]
+    for below, name in pairs:
+        joint, parent = _at(name), _at(below)
+        if known[joint]:
+            continue
+        along = place[joint] - place[parent]
+        if name.endswith("Toes"):
+            along = np.array([0.0, 0.0, 1.0])
+        along = along / max(float(np.linalg.norm(along)), 1e-9)
+        part = np.clip(((position - place[joint]) @ along) / (2.0 * _SPLIT) + 0.5, 0.0, 1.0)
+        part = part * part * (3.0 - 2.0 * part)
+        gone = weight[:, parent] * part
+        weight[:, joint] += gone
+        weight[:, parent] -= gone
+    return weight
+
+
+def _posed(position: Float64, normal: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64, Float64]:
+    """Limbs turned until they lie as the dancer's in her rest pose, the skin by blended dual quaternions."""
+    turn = np.tile((1.0, 0.0, 0.0, 0.0), (JOINT_COUNT, 1))
+    for bone, tip in _LIMBS:
+        turn[_at(bone)] = quaternion.from_two_vectors(
+            place[_at(tip)] - place[_at(bone)], _REST[_at(tip)] - _REST[_at(bone)]
+        )
+    for side in ("left", "right"):
+        turn[_at(side + "Hand")] = turn[_at(side + "LowerArm")]
+        ahead = (place[_at(side + "Toes")] - place[_at(side + "Foot")]) * (1.0, 0.0, 1.0)
+        if np.linalg.norm(ahead) > 0.02:
+            turn[_at(side + "Foot")] = quaternion.from_two_vectors(ahead, np.array([0.0, 0.0, 1.0]))
+        turn[_at(side + "Toes")] = turn[_at(side + "Foot")]
+    posed = place.copy()
+    for joint, parent in enumerate(SKELETON.parents):
+        if parent >= 0:
+            posed[joint] = posed[parent] + quaternion.rotate(turn[parent], place[joint] - place[parent])
+    shift = posed - quaternion.rotate(turn, place)
+    dual = 0.5 * quaternion.mul(np.concatenate([np.zeros((JOINT_COUNT, 1)), shift], axis=1), turn)
+    main = turn[weight.argmax(axis=1)]
+    sign = np.where(main @ turn.T < 0.0, -1.0, 1.0) * weight
+    real, other = sign @ turn, sign @ dual
+    length = np.maximum(np.linalg.norm(real, axis=1, keepdims=True), 1e-9)
+    real, other = real / length, other / length
+    move = 2.0 * quaternion.mul(other, quaternion.inverse(real))[:, 1:]
+    placed = np.asarray(quaternion.rotate(real, position) + move, np.float64)
+    return placed, np.asarray(quaternion.rotate(real, normal), np.float64), posed

@@ -1,0 +1,126 @@
+"""The program of a pass of somebody's own, and what drivers say where there is none.
+
+A trial of own passes in a process of its own, before a show trusts them: a shader may never end, or crash a driver.
+
+python -m live.render.custom_pass < passes.json
+"""
+
+import json
+import re
+import subprocess
+import sys
+from functools import lru_cache
+from typing import Any, Final
+
+import moderngl
+
+from live.base.custom_pass import OwnPass, read_own_pass
+from live.base.errors import PersonError
+from live.render.camera import FAR, NEAR
+from live.render.shader import FRAME_BINDING, source
+
+_LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
+"""A line in the words of a driver: 0:12(3) or 0(12)."""
+
+
+def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
+    """The program of a pass; PersonError with its file and line if it is none."""
+    ends = (("NEAR", NEAR), ("FAR", FAR))
+    footer = source("own_footer.glsl").split("\n", 1)[1]
+    text = f"{source('own_header.glsl', ends)}#line 1\n{own.source}\n{footer}"
+    try:
+        linked = ctx.program(vertex_shader=source("full_vertex.glsl"), fragment_shader=text)
+    except moderngl.Error as error:
+        raise PersonError(problem_of(own.name, str(error))) from None
+    if "Frame" in linked:
+        block = linked["Frame"]
+        assert isinstance(block, moderngl.UniformBlock)
+        block.binding = FRAME_BINDING
+    return linked
+
+
+def problem_of(name: str, log: str) -> str:
+    """What a driver says of the pass `name`, with file and line."""
+    for line in log.splitlines():
+        match = _LINE.search(line)
+        if match is not None and "warning" not in line.casefold():
+            number = match.group(1) or match.group(2)
+            words = line[match.end() :].lstrip("(): 0123456789").strip()
+            return f"passes/{name}.glsl, line {number}: {words}"
+    words = " ".join(line.strip() for line in log.splitlines() if line.strip(" =-"))
+    return f"passes/{name}.glsl: {words[:300]}"
+
+
+LIMIT_S: Final = 20.0
+"""Seconds in which the passes must have drawn a small picture, the start of the process included."""
+SIZE: Final = (64, 36)
+_NO_OPENGL: Final = 3
+"""Exit code where there is no OpenGL without a screen: then nothing is known."""
+
+
+def try_passes(passes: tuple[OwnPass, ...], *, limit: float = LIMIT_S) -> None:
+    """PersonError if one of the passes does not compile, does not end, or ends its process; nothing if all is well.
+
+    Thread: any; waits for the process. A text is tried once by a process.
+    """
+    problem = _tried(passes, limit) if passes else ""
+    if problem:
+        raise PersonError(problem)
+
+
+@lru_cache(maxsize=64)
+def _tried(passes: tuple[OwnPass, ...], limit: float) -> str:
+    order = json.dumps([[one.name, one.source] for one in passes])
+    names = ", ".join(f"passes/{one.name}.glsl" for one in passes)
+    command = [sys.executable, "-m", "live.render.custom_pass"]
+    try:
+        done = subprocess.run(command, input=order, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        return f"{names}: not done after {limit:g} s: is there a loop that never ends?"
+    except OSError as error:
+        return f"{names}: cannot be tried: {error.strerror}"
+    if done.returncode in (0, _NO_OPENGL):
+        return ""
+    return done.stdout.strip() or f"{names}: the driver ended with it ({done.returncode})"
+
+
+def main() -> int:
+    """Compile and draw what stands in the standard input; the problem goes to the standard output."""
+    from live.render.headless import NoOpenGL, create_headless_context
+
+    given: list[Any] = json.load(sys.stdin)
+    try:
+        ctx = create_headless_context()
+    except NoOpenGL:
+        return _NO_OPENGL
+    try:
+        for name, text in given:
+            _draw(ctx, read_own_pass(name, text))
+    except PersonError as error:
+        print(error)
+        return 1
+    return 0
+
+
+def _draw(ctx: Any, own: OwnPass) -> None:
+    from live.render.shader import set_uniform
+
+    program = compiled(ctx, own)
+    texture = ctx.texture(SIZE, 4, bytes(range(256)) * (SIZE[0] * SIZE[1] // 64))
+    target = ctx.simple_framebuffer(SIZE)
+    target.use()
+    for unit, name in enumerate(("own_light_", "own_last_", "own_depth_", "own_shape_", "own_who_"), start=1):
+        texture.use(unit)
+        set_uniform(program, name, unit)
+    for name, value in {"amount": 1.0, "beat": 1.3, "tempo": 120.0, "energy": 0.5, "size": SIZE, "time": 2.0}.items():
+        set_uniform(program, name, value)
+    for known in own.parameters:
+        for value in (known.low, known.high, known.start):  # a loop may end at one and not at another
+            set_uniform(program, known.name, value)
+            ctx.vertex_array(program, []).render(vertices=3)
+    ctx.vertex_array(program, []).render(vertices=3)
+    ctx.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

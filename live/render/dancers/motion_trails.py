@@ -1,0 +1,154 @@
+"""Where hands and feet have been in the last beats: what ribbons are drawn from. Kept while there are ribbons.
+
+The poses in which dancers were at earlier beats, from which ghosts are drawn; kept while there are any.
+"""
+
+import math
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.picture_parameters import GROUPS, LONGEST_RIBBON, MOST_GHOSTS
+from live.base.stage_snapshot import StageView
+from live.motion.skeleton import SKELETON
+from live.render.dancers.dancer_batch import Crowd, pose_texture
+from live.render.gl_release import release_all
+from live.render.render_kernels import limb_tips
+
+Float32 = npt.NDArray[np.float32]
+
+PER_BEAT: Final = 12
+"""Samples in a beat; between them the ribbon is a smooth curve."""
+SAMPLES: Final = int(LONGEST_RIBBON) * PER_BEAT + 6
+LIMBS: Final = 4
+"""Left and right hand, left and right foot."""
+_WIDEST: Final = 4096
+"""Dancers in one row of the texture."""
+_JOINTS: Final = np.array([SKELETON.index(n) for n in ("leftHand", "rightHand", "leftToes", "rightToes")], np.int32)
+_TIPS: Final = np.array([[0.12, -0.01, 0.0], [-0.12, -0.01, 0.0], [0.0, -0.005, 0.04], [0.0, -0.005, 0.04]], np.float32)
+
+
+class LimbHistory:
+    """A ring of samples at every twelfth of a beat, in rows of a texture, and a last row of where the limbs are now.
+
+    Samples lie exactly on their beats whatever the frame rate is: between two pictures the way is taken as even.
+    """
+
+    def __init__(self, ctx: moderngl.Context, capacity: int) -> None:
+        self._ctx = ctx
+        self._allocate(capacity)
+
+    def _allocate(self, capacity: int) -> None:
+        self._capacity = capacity
+        self.blocks = -(-capacity // _WIDEST)
+        self.columns = min(capacity, _WIDEST)
+        shape = (self.blocks * self.columns, LIMBS, 4)
+        self._now, self._before, self._between = (np.zeros(shape, np.float32) for _ in range(3))
+        self.texture = self._ctx.texture((self.columns * LIMBS, (SAMPLES + 1) * self.blocks), 4, dtype="f4")
+        self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing is known of what was."""
+        self.valid = 0
+        """Samples that are known, the newest first."""
+        self._beat = math.nan
+        self._grid = 0
+
+    def update(self, view: StageView, capacity: int) -> None:
+        """Take a moment, the next one or (after a jump) any other."""
+        if capacity != self._capacity:
+            self.texture.release()
+            self._allocate(capacity)
+        limb_tips(view.joint_position, view.joint_rotation, view.present, _JOINTS, _TIPS, self._now)
+        grid = math.floor(view.beat * PER_BEAT)
+        if not (self._beat <= view.beat and grid - self._grid < SAMPLES):
+            self.forget()
+            self._grid = grid
+        for sample in range(self._grid + 1, grid + 1):
+            share = (sample / PER_BEAT - self._beat) / max(view.beat - self._beat, 1e-9)
+            np.subtract(self._now, self._before, out=self._between)
+            self._between *= np.float32(share)
+            self._between += self._before
+            self._write(self._between, sample % SAMPLES)
+            self.valid = min(self.valid + 1, SAMPLES)
+        self._write(self._now, SAMPLES)
+        self._grid, self._beat = grid, view.beat
+        self._now, self._before = self._before, self._now
+
+    def _write(self, tips: Float32, row: int) -> None:
+        self.texture.write(tips, viewport=(0, row * self.blocks, self.columns * LIMBS, self.blocks))
+
+    @property
+    def ring(self) -> tuple[float, float, float, float]:
+        """Row of the newest sample, how many rows there are, beats since it, samples in a beat."""
+        return float(self._grid % SAMPLES), float(SAMPLES), self._beat - self._grid / PER_BEAT, float(PER_BEAT)
+
+    def release(self) -> None:
+        """Free the texture."""
+        release_all(self.texture)
+
+
+_LEAP: Final = 16.0
+"""Beats in one picture beyond which the show has jumped."""
+
+
+class PoseHistory:
+    """A ring of pose textures; a group's dancers leave a ghost whenever the beat is a multiple of their spacing."""
+
+    def __init__(self, ctx: moderngl.Context, capacity: int) -> None:
+        self._ctx = ctx
+        self._allocate(capacity)
+
+    def _allocate(self, capacity: int) -> None:
+        self._capacity = capacity
+        self.textures = [pose_texture(self._ctx, capacity) for _ in range(MOST_GHOSTS)]
+        width, rows = self.textures[0].size
+        self._texels = np.zeros((MOST_GHOSTS, rows, width, 4), np.float32)
+        self.forget()
+
+    def forget(self) -> None:
+        """There are no ghosts."""
+        self._left = np.full((MOST_GHOSTS, GROUPS), np.nan)  # the beat at which each was left
+        self._next = np.zeros(GROUPS, np.int64)
+        self._beat = math.nan
+
+    def update(self, view: StageView, crowd: Crowd) -> None:
+        """Take a moment whose poses `crowd` holds already."""
+        if crowd.capacity != self._capacity:
+            release_all(*self.textures)
+            self._allocate(crowd.capacity)
+        beat = view.beat
+        if not self._beat <= beat < self._beat + _LEAP:
+            self.forget()
+            self._beat = beat
+        spacing = crowd.styles.spacing
+        line = np.floor(beat / spacing)
+        leaving = (line > np.floor(self._beat / spacing)) & crowd.styles.masks["trails"]
+        for group in np.flatnonzero(leaving).tolist():
+            self._leave(group, float(line[group] * spacing[group]), view, crowd)
+        self._beat = beat
+
+    def _leave(self, group: int, beat: float, view: StageView, crowd: Crowd) -> None:
+        """The dancers of a group leave their poses of now."""
+        slot = int(self._next[group]) % MOST_GHOSTS
+        self._next[group] += 1
+        self._left[slot, group] = beat
+        rows, width = crowd.texels.shape[:2]
+        blocks = -(-self._capacity // rows)
+        mine = np.zeros(blocks * rows, np.bool_)
+        mine[: len(view.group)] = view.group % GROUPS == group
+        shape = (rows, blocks, width // blocks, 4)
+        where = mine.reshape(blocks, rows).T[:, :, None, None]
+        np.copyto(self._texels[slot].reshape(shape), crowd.texels.reshape(shape), where=where)
+        self.textures[slot].write(self._texels[slot])
+
+    def ages(self, slot: int) -> Float32:
+        """Beats since each group's ghosts in a slot were left, -1 where there are none, shape (16,)."""
+        return np.asarray(np.nan_to_num(self._beat - self._left[slot], nan=-1.0), np.float32)
+
+    def release(self) -> None:
+        """Free the textures."""
+        release_all(*self.textures)

@@ -1,0 +1,204 @@
+"""Flash limit: no more than three flashes a second, whatever the show does, by letting no more light through.
+
+A general flash is a pair of opposing changes of luminance by a tenth of the most there can be, or more, where the
+darker one is below 0.8, on more than a quarter of the picture (W3C, WCAG 2.2, "general flash and red flash thresholds";
+ITU-R BT.1702). Here the picture is told as cells; a rise that would be one too many is cut off just below that tenth.
+Falls cannot be prevented, but each of them needs a rise before it.
+
+Flash meter: luminance and red of a picture's cells, read back without waiting, or at once where that matters.
+"""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.render.gl_release import release_all
+from live.render.shader import program, set_uniform
+
+Float64 = npt.NDArray[np.float64]
+Bool = npt.NDArray[np.bool_]
+
+CHANGE: Final = 0.1
+"""A change of luminance by so much counts ..."""
+DARK: Final = 0.8
+"""... where the darker one is below this."""
+RED_CHANGE: Final = 20.0 / 320.0
+"""A change of R - G - B of what is saturated red (R / (R + G + B) of 0.8 or more) by so much counts, however bright."""
+ALLOWED: Final = 0.95
+"""What a rise is cut off at, as a share of that change, so that it does not count."""
+AREA: Final = 0.25
+"""... on so much of the picture."""
+TOGETHER: Final = 0.12
+"""Cells that change within so many seconds change together."""
+SECOND: Final = 1.0
+MOST: Final = 3
+"""Rises in a second: each flash has one."""
+WATCHED: Final = 2
+"""From so many on the luminance of this very picture must be known before it is shown."""
+
+
+class FlashLimit:
+    """Judges pictures in turn; the same pictures at the same times are always judged alike."""
+
+    def __init__(self, cells: int, *, change: float = CHANGE, dark: float = DARK) -> None:
+        """`cells`: into how many equal parts pictures are divided; `change` and `dark`: what counts."""
+        self._change, self._dark = change, dark
+        self._low, self._high = np.full(cells, np.inf), np.full(cells, -np.inf)
+        self._rising, self._falling = np.zeros(cells, np.bool_), np.zeros(cells, np.bool_)
+        self._rose, self._fell = np.full(cells, -np.inf), np.full(cells, -np.inf)
+        self._rises: list[float] = []
+        self._up: bool | None = None  # whether the last change was a rise
+        self._turned = -np.inf  # when that was
+        self._few = max(int(np.ceil(AREA * cells)) - 1, 0)
+        self.held = 0
+        """Pictures whose light was held back."""
+
+    def rises(self, time: float) -> int:
+        """Rises in the second before `time` [s]."""
+        while self._rises and self._rises[0] <= time - SECOND + 1e-9:
+            self._rises.pop(0)
+        return len(self._rises)
+
+    @property
+    def is_watching(self) -> bool:
+        """Whether so much has changed lately that each picture must be judged before it is shown."""
+        return len(self._rises) >= WATCHED
+
+    def judge(self, time: float, luminance: Float64, *, lifted: bool = False) -> float:
+        """The share of light, 0 to 1, at which a picture may be shown at `time` [s].
+
+        `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: it is shown as it is, and only counted.
+        """
+        left = 1.0 if lifted else self.most(time, luminance)
+        self.show(time, luminance * left, held=left < 1.0)
+        return left
+
+    def most(self, time: float, luminance: Float64) -> float:
+        """The most light, 0 to 1, at which a picture may be shown at `time` [s]."""
+        return self._most(time, luminance) if self.rises(time) >= MOST else 1.0
+
+    def show(self, time: float, shown: Float64, *, held: bool = False) -> None:
+        """A picture is shown at `time` [s] with this luminance, its light held back or not."""
+        self.held += held
+        self._note(time, shown)
+
+    def _most(self, time: float, luminance: Float64) -> float:
+        """The most light at which too few cells rise for that to count."""
+        if self._up:
+            return 1.0  # it has risen already: more light is not another change
+        free = max(self._few - int(np.count_nonzero(self._rose > time - TOGETHER)), 0)
+        dark = (self._low < self._dark) & ~self._rising
+        share = np.where(dark, (self._low + ALLOWED * self._change) / np.maximum(luminance, 1e-9), np.inf)
+        place = min(free, len(share) - 1)
+        return float(min(np.partition(share, place)[place], 1.0))
+
+    def _note(self, time: float, shown: Float64) -> None:
+        """Keep what was shown."""
+        self._low, self._high = np.minimum(self._low, shown), np.maximum(self._high, shown)
+        up = (shown - self._low >= self._change) & (self._low < self._dark) & ~self._rising
+        down = (self._high - shown >= self._change) & (shown < self._dark) & ~self._falling
+        for now, before, since, extreme in (
+            (up, self._rising, self._rose, self._high),
+            (down, self._falling, self._fell, self._low),
+        ):
+            before[now] = True
+            since[now] = time
+            extreme[now] = shown[now]
+        self._falling[up], self._rising[down] = False, False
+        self._turn(time)
+
+    def _turn(self, time: float) -> None:
+        """A change of the whole picture, if enough cells have changed together the other way than the last time, and
+        since then: a fall just before a rise is not one after it."""
+        for rises, since in ((True, self._rose), (False, self._fell)):
+            lately = (since > time - TOGETHER) & (since >= self._turned)
+            if self._up is not rises and np.count_nonzero(lately) > self._few:
+                self._up, self._turned = rises, time
+                if rises:
+                    self._rises.append(time)
+
+
+CELLS: Final = (16, 9)
+"""Across and down."""
+
+
+class FlashMeter:
+    """Measures pictures; GL objects are made here."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = program(ctx, "bare_vertex.glsl", "flash_fragment.glsl")
+        set_uniform(self._program, "picture", 1)
+        set_uniform(self._program, "cells", CELLS)
+        self._triangle = ctx.vertex_array(self._program, [])
+        self._texture = ctx.texture(CELLS, 2, dtype="f4")
+        self._target = ctx.framebuffer([self._texture])
+        self._size = CELLS[0] * CELLS[1] * 8
+        self._buffers = [ctx.buffer(reserve=self._size) for _ in range(2)]
+        self._turn = 0
+
+    def measure(self, picture: moderngl.Texture) -> None:
+        """Begin to measure a picture."""
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        self._target.use()
+        picture.use(1)
+        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        self._turn = 1 - self._turn
+        self._target.read_into(self._buffers[self._turn], components=2, dtype="f4", alignment=1)
+
+    def before(self) -> Float64:
+        """Luminance and saturated red, 0 to 1, of the cells of the picture before the one measured last, (2, 144)."""
+        return self._read(self._buffers[1 - self._turn])
+
+    def now(self) -> Float64:
+        """Of the one measured last; this waits until it is drawn."""
+        return self._read(self._buffers[self._turn])
+
+    def _read(self, buffer: moderngl.Buffer) -> Float64:
+        return np.frombuffer(buffer.read(size=self._size), np.float32).reshape(-1, 2).T.astype(np.float64)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._target, self._texture, *self._buffers, self._triangle, self._program)
+
+
+class FlashGuard:
+    """Says how much of its light each picture may have. Only where much flashes does it wait for the card."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._meter = FlashMeter(ctx)
+        count = CELLS[0] * CELLS[1]
+        self.limits = FlashLimit(count), FlashLimit(count, change=RED_CHANGE, dark=np.inf)
+        """Of luminance, and of saturated red."""
+        self.held = 0
+        """Pictures whose light was held back."""
+        self._open: float | None = None  # the time of a picture that was shown and not judged yet
+
+    def left(self, picture: moderngl.Texture, time: float) -> float:
+        """The share of light, 0 to 1, at which this picture may be shown at `time` [s]."""
+        self._meter.measure(picture)
+        if self._open is not None:
+            for limit, cells in zip(self.limits, self._meter.before(), strict=True):
+                limit.show(self._open, cells)
+            self._open = None
+        for limit in self.limits:
+            limit.rises(time)
+        if not any(limit.is_watching for limit in self.limits):
+            self._open = time
+            return 1.0
+        now = self._meter.now()
+        left = min(limit.most(time, cells) for limit, cells in zip(self.limits, now, strict=True))
+        for limit, cells in zip(self.limits, now, strict=True):
+            limit.show(time, cells * left)
+        self.held += left < 1.0
+        return left
+
+    def rest(self) -> None:
+        """Nobody wants to know: the next picture is the first one again."""
+        self._open = None
+
+    def release(self) -> None:
+        """Free everything."""
+        self._meter.release()

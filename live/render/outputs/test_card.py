@@ -1,0 +1,77 @@
+"""Test cards: what a projector shows while it is set up, and the words that stand on it.
+
+The card that an audience joins by: the code, its link in letters, and what it is for.
+"""
+
+from collections.abc import Sequence
+from typing import Final, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw, ImageFont
+
+from live.render.lettering import readable
+
+Card = Literal["off", "grid", "bars", "name", "safe", "focus", "qr"]
+CARDS: Final[tuple[Card, ...]] = get_args(Card)
+"""By their numbers in the shader; `off` is the picture, `qr` what an audience joins by (`join_card`)."""
+
+TINTS: Final = ((1.0, 1.0, 1.0), (0.45, 0.9, 1.0), (1.0, 0.85, 0.35), (0.95, 0.55, 1.0), (0.6, 1.0, 0.5))
+"""Colours of the outputs' cards in turn, so that lines that overlap can be told apart."""
+
+JOIN: Final = "qr"
+"""It is no test card: the key that goes through them leaves it out."""
+_HEIGHT: Final = 160
+
+
+def next_card(card: Card) -> Card:
+    """The card after this one; the picture after the last."""
+    cards = [each for each in CARDS if each != JOIN]
+    return cards[(cards.index(card) + 1) % len(cards)] if card in cards else "off"
+
+
+def words_of(name: str, detail: str) -> npt.NDArray[np.uint8]:
+    """The output's name over a smaller line, white on black: coverage, row 0 on top, shape (160, W)."""
+    large, small = ImageFont.load_default(size=92), ImageFont.load_default(size=38)
+    shown = readable("".join(letter if letter.isprintable() else "?" for letter in name))
+    detail = readable(detail)
+    width = round(max(large.getlength(shown), small.getlength(detail))) + 16
+    image = Image.new("L", (width, _HEIGHT))
+    draw = ImageDraw.Draw(image)
+    draw.text((width // 2, 54), shown, fill=255, font=large, anchor="mm")
+    draw.text((width // 2, 134), detail, fill=200, font=small, anchor="mm")
+    return np.array(image, np.uint8)
+
+
+MODULE: Final = 14
+"""Pixels of a module of the code."""
+QUIET: Final = 4
+"""Modules of white around it, which its readers need (ISO/IEC 18004)."""
+INVITES: Final = "Dance with us  ·  Vem bailar connosco"
+_TEXT: Final = 44
+BAND: Final = 84
+"""Height of a line of words."""
+
+
+def join_card(code: Sequence[str], link: str) -> npt.NDArray[np.uint8]:
+    """Brightness, row 0 on top, shape (H, W): the code in rows of 0 and 1, words above it, its link below."""
+    modules = np.array([[letter == "1" for letter in row] for row in code], np.bool_).reshape(len(code), -1)
+    modules = np.pad(modules, QUIET)
+    picture = np.kron(np.where(modules, 0, 255).astype(np.uint8), np.ones((MODULE, MODULE), np.uint8))
+    words = [_fitted(words, picture.shape[1] - 2 * MODULE * QUIET) for words in (INVITES, link)]
+    bands = [_band(text, font, picture.shape[1]) for text, font in words]
+    return np.concatenate([bands[0], picture[MODULE * (QUIET - 2) : -MODULE * (QUIET - 2)], bands[1]])
+
+
+def _fitted(words: str, width: int) -> tuple[str, "ImageFont.FreeTypeFont | ImageFont.ImageFont"]:
+    """The words and a font in which they are no wider than that."""
+    size = _TEXT
+    while size > 10 and ImageFont.load_default(size=size).getlength(words) > width:
+        size -= 2
+    return words, ImageFont.load_default(size=size)
+
+
+def _band(words: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", width: int) -> npt.NDArray[np.uint8]:
+    image = Image.new("L", (width, BAND), 255)
+    ImageDraw.Draw(image).text((width // 2, BAND // 2), words, fill=0, font=font, anchor="mm")
+    return np.array(image, np.uint8)

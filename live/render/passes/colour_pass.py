@@ -1,0 +1,119 @@
+"""The end of a picture in half floats: the glow that was gathered last, the film curve, vignette, sRGB, dither.
+
+The colour grade: lift, gamma and gain of each colour, contrast and temperature.
+
+Darker corners, where the vignette is not the last of the passes: otherwise the film curve takes it along.
+"""
+
+from typing import Final
+
+import moderngl
+import numpy as np
+
+from live.base.picture_parameters import BY_ADDRESS, VIGNETTE
+from live.render.gl_release import release_all
+from live.render.pass_context import Making, Moment, Surfaces
+from live.render.shader import Full, program, set_uniform
+from live.render.uniforms import VIGNETTING
+
+
+class FinalPass:
+    """Draws compressed light as it is shown: 8 bits, sRGB."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._programs = [
+            program(ctx, "full_vertex.glsl", "finish_fragment.glsl", (("GLOW", glow),)) for glow in (0, 1)
+        ]
+        self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
+
+    def draw(
+        self,
+        source: moderngl.Texture,
+        target: moderngl.Framebuffer,
+        glow: moderngl.Texture | None = None,
+        strength: float = 0.0,
+    ) -> None:
+        """Draw `source` onto `target`, with so much of a `glow` if there is one."""
+        linked = self._programs[glow is not None]
+        target.use()
+        source.use(1)
+        set_uniform(linked, "light", 1)
+        if glow is not None:
+            glow.use(2)
+            set_uniform(linked, "glow", 2)
+            set_uniform(linked, "strength", strength)
+        self._triangles[glow is not None].render(moderngl.TRIANGLES, vertices=3)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._triangles, *self._programs)
+
+
+_ROOT: Final = "/dance/pass/grade"
+_AMOUNT: Final = BY_ADDRESS[_ROOT].first
+_COLOURS: Final = {name: BY_ADDRESS[f"{_ROOT}/{name}"] for name in ("lift", "gamma", "gain")}
+_NUMBERS: Final = {name: BY_ADDRESS[f"{_ROOT}/{name}"] for name in ("contrast", "temperature")}
+_PLACES: Final = np.concatenate(
+    [np.arange(p.first, p.first + p.size) for p in (*_COLOURS.values(), *_NUMBERS.values())]
+)
+_NEUTRAL: Final = np.concatenate([p.start for p in (*_COLOURS.values(), *_NUMBERS.values())])
+
+
+class GradePass:
+    """Neutral values change nothing and cost nothing."""
+
+    needs_surfaces = False
+
+    def __init__(self, making: Making) -> None:
+        self._full = Full(making.ctx, "grade_fragment.glsl")
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0 and anything is not neutral."""
+        return moment.amount(_AMOUNT) > 0.0 and not np.array_equal(moment.frame.row[_PLACES], _NEUTRAL)
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
+        """Draw `source` graded."""
+        full, row = self._full, moment.frame.row
+        full.set("amount", moment.amount(_AMOUNT))
+        for name, known in _COLOURS.items():
+            full.set(name, tuple(row[known.where].tolist()))
+        for name, known in _NUMBERS.items():
+            full.set(name, float(row[known.first]))
+        full.draw(target, light=source)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Nothing here has a size."""
+
+    def release(self) -> None:
+        """Free the program."""
+        self._full.release()
+
+
+class VignettePass:
+    """Takes light from the corners."""
+
+    needs_surfaces = False
+
+    def __init__(self, making: Making) -> None:
+        self._full = Full(making.ctx, "vignette_fragment.glsl")
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0."""
+        return moment.amount(VIGNETTE) > 0.0
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
+        """Draw `source` with darker corners."""
+        self._full.set("strength", VIGNETTING * moment.amount(VIGNETTE))
+        self._full.draw(target, light=source)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Nothing here has a size."""
+
+    def release(self) -> None:
+        """Free the program."""
+        self._full.release()

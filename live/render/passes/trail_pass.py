@@ -1,0 +1,141 @@
+"""Trails: what was bright in the picture before stays and fades in beats, however many pictures there are in one.
+
+Ribbons that hands and feet draw through the last beats.
+"""
+
+from typing import Any, Final
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from live.base.picture_parameters import BY_ADDRESS
+from live.base.stage_snapshot import StageView
+from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.motion_trails import LIMBS, LimbHistory
+from live.render.gl_release import release_all
+from live.render.pass_context import HDR, Making, Moment, Surfaces
+from live.render.shader import Full, program, set_uniform
+
+_ROOT: Final = "/dance/pass/trails"
+_AMOUNT: Final = BY_ADDRESS[_ROOT].first
+_BEATS: Final = BY_ADDRESS[f"{_ROOT}/beats"].first
+_ZOOM: Final = BY_ADDRESS[f"{_ROOT}/zoom"].first
+_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
+
+
+_STRENGTH: Final = 0.55
+"""How bright a trail begins: less than the dancer, so that she stands out from it."""
+
+
+class TrailsPass:
+    """Keeps what its last picture left. A smaller amount shortens the trails, so that they fade in and out."""
+
+    needs_surfaces = False
+
+    def __init__(self, making: Making) -> None:
+        self._ctx = making.ctx
+        self._full, self._keep = (Full(making.ctx, "trails_fragment.glsl", (("SHOWN", shown),)) for shown in (1, 0))
+        self._drew = False
+        self._make(making.size)
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._textures = [self._ctx.texture(size, 4, dtype=HDR) for _ in range(2)]
+        for texture in self._textures:
+            texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            texture.repeat_x = texture.repeat_y = False
+        self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
+        self._turn = 0
+        self._drew = False
+
+    def active(self, moment: Moment) -> bool:
+        """While its amount is not 0."""
+        here = moment.amount(_AMOUNT) > 0.0
+        if not here:
+            self._drew = False  # what was kept is old when it is switched on again
+        return here
+
+    def draw(
+        self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
+    ) -> None:
+        """Draw `source` and what is left of the picture before."""
+        half = max(moment.amount(_BEATS) * moment.amount(_AMOUNT), 1e-3)
+        there = self._drew and not moment.cut
+        # a colour is what is left of white after one half-life
+        tint = [min(max(value, 1e-3), 1.0) ** (moment.beats / half) for value in moment.frame.row[_COLOUR].tolist()]
+        last, turn = self._textures[self._turn], 1 - self._turn
+        for full, into, strength in ((self._keep, self._targets[turn], 1.0), (self._full, target, _STRENGTH)):
+            full.set("left", strength * 0.5 ** (moment.beats / half) if there else 0.0)
+            full.set("shrink", 2.0 ** (-moment.amount(_ZOOM) * moment.beats))
+            full.set("tint", tuple(tint))
+            full.draw(into, light=source, last=last)
+        self._turn, self._drew = turn, True
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """New size of the picture [pixels]: nothing is left of the last one."""
+        release_all(*self._targets, *self._textures)
+        self._make(size)
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(*self._targets, *self._textures, self._full, self._keep)
+
+
+Float32 = npt.NDArray[np.float32]
+
+_LIMBS_UNIT: Final = 2
+
+
+class RibbonPass:
+    """Draws over the bound target, which must not write depth; `follow` once a picture while there are ribbons."""
+
+    def __init__(self, making: Making) -> None:
+        ctx = self._ctx = making.ctx
+        self._program = program(ctx, "ribbon_vertex.glsl", "ribbon_fragment.glsl", (("SOFT", 0),))
+        self._pieces = making.quality.ribbon_pieces
+        self._strip = ctx.buffer(_strip(self._pieces).tobytes())
+        self.history = LimbHistory(ctx, max(making.scene.dancer_count, 1))
+
+    def follow(self, crowd: Crowd, view: StageView) -> None:
+        """Take where limbs are in this picture."""
+        self.history.update(view, crowd.capacity)
+
+    def draw(self, crowd: Crowd) -> None:
+        """Draw the ribbons of all dancers who have any, as far back as quality allows."""
+        pieces = min(crowd.quality.ribbon_pieces, self._pieces)
+        set_uniform(self._program, "drawn_back", float(_back(pieces / self._pieces)))
+        history = self.history
+        set_uniform(self._program, "ring", history.ring)
+        set_uniform(self._program, "known", history.valid)
+        set_uniform(self._program, "limbs_layout", (history.columns, history.blocks))
+        set_uniform(self._program, "limbs", _LIMBS_UNIT)
+        history.texture.use(_LIMBS_UNIT)
+        vertices = pieces * LIMBS * len(_CORNERS)
+        crowd.draw_other(self._program, "ribbons", self._vertices, moderngl.TRIANGLES, vertices)
+
+    def _vertices(self, body: str) -> tuple[Any, ...]:
+        return self._strip, "4f", "in_strip"
+
+    def release(self) -> None:
+        """Free everything."""
+        release_all(self._strip, self._program, self.history)
+
+
+_CORNERS: Final = ((0, -1.0), (1, -1.0), (1, 1.0), (0, -1.0), (1, 1.0), (0, 1.0))
+
+
+def _back(share: Any) -> Any:
+    """How far back of its length a ribbon is after a share of its pieces: they are finer where it is fresh."""
+    return share**1.25
+
+
+def _strip(pieces: int) -> Float32:
+    """Two triangles for each piece of each limb's ribbon, the freshest first: how far back (0 to 1), side, limb."""
+    back = _back(np.arange(pieces + 1) / pieces)
+    rows = [
+        (back[piece + which], side, limb, 0.0)
+        for piece in range(pieces)
+        for limb in range(LIMBS)
+        for which, side in _CORNERS
+    ]
+    return np.array(rows, np.float32)

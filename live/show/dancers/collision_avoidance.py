@@ -1,0 +1,235 @@
+"""Avoiding: whoever would be met within a moment, by another dancer or by somebody real, leaves her step at once.
+
+Everybody is looked at a few times a second; those who would be met go one after the other, so that each sees where the
+others now go, and few in one tick.
+
+Pushing: who would touch within a moment, whatever was planned, is moved away; collisions come before feet.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.entrances.entrances import ON
+from live.agents.separation.collision_prediction_kernels import find_lacks, find_threatened
+from live.agents.separation.path_separation import PathParting
+from live.agents.separation.path_separation_kernels import walk_on
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.graph.node_features import PER_BEAT
+from live.graph.select.candidates import turn_vectors
+from live.motion.pose.inertialization_kernels import LONGEST
+from live.show.dancers.correction_update import Coming
+from live.show.dancers.dancers import Dancers
+from live.show.dancers.root_correction import Carried
+from live.show.group.group_motion import GroupMotion
+from live.show.measure_span import MeasureSpan
+from live.show.selection.clip_cut import Cutting, Moment
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+Cut = Callable[[Moment, Int32, MeasureSpan, Timeline], None]
+"""Lets the dancers of a moment go on in other nodes, (n,), from now on."""
+
+AHEAD: Final = (0.4, 0.8)
+"""Seconds ahead at which everybody is looked for: dancers meet dancers at the first of them, and things and real
+performers, of whom no plan knows, at any."""
+GLANCE_TICKS: Final = 2
+"""Ticks from one look ahead to the next: everybody is judged at every fourth tick."""
+AT_ONCE: Final = 4
+"""In one tick so many leave their steps at most; whoever would still be met is found again at the next look."""
+GRAZE: Final = 0.03
+"""Things and real performers may be grazed by so many metres before a dancer leaves her step for them."""
+SLACK: Final = 0.2
+"""Dancers whose bodies would meet by less than this [m] are carried and pushed apart, which costs them no step."""
+WAY_OUT: Final = 8
+"""Quarters of a beat over which a way out is judged."""
+NEAR: Final = 3.0
+"""Whoever is farther away than this [m] does not matter to it."""
+MARGIN: Final = 0.15
+"""Room [m] that a way out should leave to everybody; what is missing, at the worst and on the average, is trouble..."""
+CLOSE: Final = 6.0
+"""... of which a metre counts as so many metres between bodies."""
+WAY: Final = 1.0
+"""A metre between where a way out ends and where the dancer was sent counts as so many metres between bodies."""
+GAIN: Final = 0.06
+"""A step is left only if that is worth so many metres of trouble."""
+
+
+class Avoiding:
+    """The collisions ahead of one show; call `tick` once a tick."""
+
+    def __init__(
+        self, dancers: Dancers, motion: GroupMotion, sent: Callable[[], Float64], cutting: Cutting, cut: Cut
+    ) -> None:
+        """`sent` tells where everybody should end the measure, (A, 2) [m]; `cutting` knows where one may go on, `cut`
+        does it."""
+        count = len(motion.casting.group)
+        self._half_stage = motion.floor.half  # always as it is now
+        self._dancers, self._motion, self._sent = dancers, motion, sent
+        self._cutting, self._cut = cutting, cut
+        self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
+        self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))
+        self._tick = -1
+        self._met: Float64 = np.zeros(count)
+        self._waiting: list[int] = []  # who would be met, those met first at the front
+        self.count = 0
+        """How often a dancer has left her step because of a collision."""
+
+    def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        """Look ahead at every second tick, each time farther; after the last look whoever would be met goes away."""
+        self._tick = (self._tick + 1) % (GLANCE_TICKS * len(AHEAD))
+        k, rest = divmod(self._tick, GLANCE_TICKS)
+        if not rest:
+            self._look(k, span, timeline, time)
+            if k == len(AHEAD) - 1:
+                self._judge()
+        now, self._waiting = self._waiting[:AT_ONCE], self._waiting[AT_ONCE:]
+        for row in now:
+            self._leave(row, span, timeline, time)
+
+    def _look(self, k: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        """Where everybody will be at the moment `k` of AHEAD."""
+        if k == 0:
+            self._ways[0] = self._dancers.shown
+        if k == 0 or self._motion.surroundings.obstacle_count:  # dancers among themselves need no second look
+            ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # all moments are counted from the first look
+            self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
+
+    def _judge(self) -> None:
+        """Who must leave her step."""
+        around, model = self._motion.surroundings, self._motion.model
+        things, count = around.obstacles, around.obstacle_count
+        for n, seconds in enumerate((0.0, *AHEAD) if count else ()):
+            self._things[n, :count] = things[:count, :2] + seconds * things[:count, 3:5]
+        free = (self._motion.entrances.state == ON) & (self._motion.partners.of < 0)
+        find_threatened(
+            self._ways, model.radius, model.responsibility * free, self._motion.present,
+            self._ways[0, :, 0].argsort(), self._things, things[:, 2] + np.float32(SLACK - GRAZE),
+            count, SLACK, self._met,
+        )  # fmt: skip
+        self._waiting = []
+        if self._met.max(initial=0.0) > 0.0:
+            # who was cut is on her way out already; partners stay together, and are carried or pushed out of the way
+            rows = np.flatnonzero((self._met > 0.0) & free & ~self._dancers.inertia.settling_now)
+            self._waiting = rows[np.argsort(self._met[rows], kind="stable")].tolist()
+
+    def _leave(self, row: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        """Dancer `row` leaves her step for the one that gets her out of the way, if that is worth it."""
+        if self._dancers.inertia.age[row] < LONGEST or self._motion.entrances.state[row] != ON:
+            return  # since it was her turn to wait, something else has happened to her
+        apart = np.hypot(*(self._ways[0] - self._ways[0, row]).T)
+        near = self._motion.present & (apart < NEAR)
+        near[row] = False
+        who = np.flatnonzero(near)
+        out = self._out(np.concatenate([[row], who]), span, timeline, time)
+        others = self._others(row, who, out[:, 1:], timeline.tempo)
+        stays = _trouble_of(out[:, :1], others)[0]
+        if stays <= GAIN:
+            return  # no way out could be worth it
+        moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
+        nodes = self._cutting.candidates()
+        trouble = self._trouble(moment, nodes, others)
+        cost = self._cutting.distances(moment, nodes)[0] + CLOSE * trouble
+        ends = self._ends(moment, nodes)
+        cost += CLOSE * np.hypot(*np.maximum(np.abs(ends) - self._half_stage, 0.0).T)
+        cost += WAY * np.hypot(*(ends - self._sent()[row]).T)
+        best = int(np.argmin(cost))
+        if trouble[best] < stays - GAIN:
+            self._cut(moment, nodes[best : best + 1], span, timeline)
+            self.count += 1
+
+    def _out(self, rows: Int64, span: MeasureSpan, timeline: Timeline, time: float) -> Float64:
+        """Where the dancers `rows` (n,) will be in the next quarters of a beat, as things are, (WAY_OUT, n, 2) [m]."""
+        beat = timeline.beat_at(time)
+        quarters = np.arange(1, WAY_OUT + 1) / PER_BEAT
+        return np.stack([self._dancers.ahead(span.fraction(beat + quarter), rows) for quarter in quarters.tolist()])
+
+    def _others(self, row: int, who: Int64, out: Float64, tempo: float) -> Float64:
+        """Where those who are near, `who` (n,), will be by `out` (WAY_OUT, n, 2) [m], and how near to them is too near:
+        x, z, distance [m], (M, WAY_OUT, 3); things are among them."""
+        model, around = self._motion.model, self._motion.surroundings
+        things = around.obstacles[: around.obstacle_count].astype(np.float64)
+        seconds = np.arange(1, WAY_OUT + 1)[:, None, None] / PER_BEAT * 60.0 / tempo
+        found = np.empty((WAY_OUT, len(who) + len(things), 3))
+        found[:, : len(who), :2] = out
+        found[:, len(who) :, :2] = things[:, :2] + seconds * things[:, 3:5]
+        found[:, :, 2] = np.concatenate([model.radius[who], things[:, 2]]) + model.radius[row]
+        return found.transpose(1, 0, 2)
+
+    def _trouble(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
+        """How much room [m] the dancer would lack on her way out through each of `nodes` (C,), (C,)."""
+        moments = self._dancers.graph.moments
+        now = int(moments.at(moment.phase)[0])
+        at = np.minimum(now + np.arange(1, WAY_OUT + 1), moments.hips.shape[1] - 1)
+        turn = moment.facing[0] - moments.facing[nodes, now]
+        way = moments.hips[nodes[:, None], at] - moments.hips[nodes, now][:, None]
+        place = moment.hips[0] + turn_vectors(way, np.broadcast_to(turn[:, None], way.shape[:2]))
+        return _trouble_of(place.transpose(1, 0, 2), others)
+
+    def _ends(self, moment: Moment, nodes: Int32) -> Float64:
+        """Where each of `nodes` (C,) would end the measure, (C, 2) [m]."""
+        moments = self._dancers.graph.moments
+        now = int(moments.at(moment.phase)[0])
+        turn = moment.facing[0] - moments.facing[nodes, now]
+        return np.asarray(moment.hips[0] + turn_vectors(moments.hips[nodes, -1] - moments.hips[nodes, now], turn))
+
+
+def _trouble_of(ways: Float64, others: Float64) -> Float64:
+    """What each of `ways` (WAY_OUT, C, 2) lacks of MARGIN to the `others` (M, WAY_OUT, 3) [m]: at the worst and on the
+    average, added, (C,)."""
+    lacks = np.empty(ways.shape[1])
+    find_lacks(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
+    return lacks
+
+
+PUSH_AHEAD: Final = np.array([0.1, 0.2, 0.3, 0.4])
+"""Who will touch on straight ways from now to where they are in so many seconds is pushed apart: hips swing to and fro
+within a beat, and who is far enough away at its end may have touched before."""
+PUSH_MARGIN: Final = 0.1
+PUSH_STIFFNESS: Final = 24.0
+
+
+class Pushing:
+    """Moves everything that is planned of those who are pushed."""
+
+    def __init__(self, carried: Carried, coming: Coming, parting: PathParting) -> None:
+        self._carried, self._coming, self._parting = carried, coming, parting
+        count = len(carried.node)
+        self._soon = np.zeros((len(PUSH_AHEAD), count, 2), np.float32)
+        self._fractions = np.zeros(1 + len(PUSH_AHEAD))
+        self.count = 0
+        """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
+
+    def tick(self, fraction: float, rate: float) -> None:
+        """One tick at `fraction` of the measure, of which `rate` [1/s] passes."""
+        carried, dancers = self._carried, self._carried.dancers
+        paths, present, then, later = carried.paths, dancers.present, self._coming.paths, dancers.coming
+        self._fractions[:] = fraction
+        self._fractions[1:] += PUSH_AHEAD * rate
+        walk_on(
+            paths.path, paths.share, present.correction, present.aimed,
+            then.path, then.share, later.correction, later.aimed,
+            dancers.decided and self._coming.traced, dancers.graph.window,
+            self._fractions, dancers.shown, self._soon,
+        )  # fmt: skip
+        moved = self._parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
+        if moved is not None:
+            self._move(moved)
+
+    def _move(self, moved: Float64) -> None:
+        """Everybody's measures, and all that is known of them, lie elsewhere by `moved` (A, 2) [m]."""
+        carried, coming, dancers = self._carried, self._coming, self._carried.dancers
+        carried.motion.partners.move(moved, dancers.shown)
+        carried.keep_on_stage(moved, dancers.shown.astype(np.float64), np.maximum(carried.room, np.abs(dancers.shown)))
+        moved[np.abs(moved) < 1e-7] = 0.0
+        self.count += int(np.count_nonzero(moved.any(axis=1)))
+        for danced in dancers.measures():
+            danced.placement[:, :2] += moved
+        for place in (carried.begin, carried.end, coming.end):
+            place += moved
+        for paths in (carried.paths, coming.paths):
+            paths.path += moved[:, None].astype(np.float32)

@@ -1,0 +1,208 @@
+"""Texturing: upper bodies of recorded dancers, chosen on stage by what the legs do, without knowing what comes (P024).
+
+In every beat each dancer's legs are compared, from half a beat before the beat line to a quarter after it, with the
+beats of the recordings; the best match's upper body goes on with her from then on, and comes in within half a beat.
+Where the recording just goes on it is only let go on. Decisions are made in ticks; what is drawn reads them.
+
+The recordings that a patch's `[texture]` names, cut at their beats.
+"""
+
+import math
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError, named
+from live.library.capture_material import UNBEATEN, read_material
+from live.motion.skeleton import SKELETON
+from live.motion.texture.live_bank import TextureBank
+from live.motion.texture.live_texture_kernels import (
+    DIMENSIONS,
+    FEATURES,
+    PER_BEAT,
+    dress,
+    keep_moments,
+    nearest_fragment,
+    prefix_of,
+    signs_of,
+    watch_legs,
+)
+from live.show.dancers.variation import Variation
+from live.show.patch.patch import Patch
+from live.show.patch.patch_reader import find_beside
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+PREFIX: Final = 0.25
+"""How far into a beat legs are looked at before it is chosen what they mean [beats]."""
+BLEND: Final = 0.5
+"""How long it takes to go from one fragment to another [beats]."""
+JOIN: Final = 0.5
+"""What leaving a recording that goes on costs, as a share of how far apart beats are on the average."""
+TASTE: Final = 0.6
+"""How differently dancers see distances: 0 all alike; so several dancers take several paths."""
+FADE_HALFLIFE: Final = 0.15
+"""Half-life [s] of the way to where the fader is: no pop, however it is thrown."""
+TURNS: Final = 10
+"""Dancers choose in so many turns, a tick each: all at once would be too much for one."""
+WHOLE: Final = 0.99
+"""With more texture than this nothing of the step's own upper body is seen."""
+_MOMENTS: Final = 16
+_EIGHTHS: Final = 8
+_NEVER: Final = -(1 << 40)
+
+
+class Texturing:
+    """What upper bodies are textured with, of A dancers."""
+
+    def __init__(self, bank: TextureBank, variation: Variation, count: int, *, seed: int, beats: int) -> None:
+        """`bank` may be empty; `variation.texture` (A,) is where the faders are; `beats` of a measure."""
+        self.bank = bank
+        self._variation = variation
+        self._seed, self._beats = seed, beats
+        self.level: Float32 = np.zeros(count, np.float32)
+        """How much texture there is, 0 to 1, (A,)."""
+        self.fragment: Int32 = np.full(count, -1, np.int32)
+        """The beat of the recordings that was chosen last, -1 before the first, (A,)."""
+        self.chosen: Int64 = np.full(count, _NEVER, np.int64)
+        """The danced beat for which that was, (A,)."""
+        self.switched: Float64 = np.full(count, -1e9)
+        """The danced beat at which the last change of recording began, (A,)."""
+        self._origin: Float64 = np.zeros((2, count))
+        self._limits: Int32 = np.zeros((2, count, 2), np.int32)
+        self._signs: Int64 = np.zeros((2, count), np.int64)
+        self._kept: Float32 = np.zeros((count, _MOMENTS, FEATURES), np.float32)
+        self._before: Float32 = np.zeros((count, FEATURES), np.float32)
+        self._now: Float32 = np.zeros((count, FEATURES), np.float32)
+        self._own: Float32 = np.zeros(DIMENSIONS, np.float32)
+        self._far: Float32 = np.zeros(bank.count, np.float32)
+        self._since: Float64 = np.full(count, np.inf)
+        self._danced_before: Float64 = np.zeros(count)
+        self._offsets = np.array(SKELETON.offsets, np.float32)
+        self._parents = np.array(SKELETON.parents, np.int32)
+
+    @property
+    def active(self) -> bool:
+        """Whether anybody is textured, or will be."""
+        return self.bank.count > 0 and bool(self.level.any() or self._variation.textures)
+
+    def danced(self, phase: Float64) -> Float64:
+        """Beats danced so far by everybody, who is at `phase` (A,) of the present measure."""
+        return np.asarray((self._variation.measure + phase) * self._beats)
+
+    def tick(self, phase: Float64, position: Float32, rotation: Float32, dt: float) -> None:
+        """Follow legs at `position` (A, 9, 3) and `rotation` (A, 9, 4) to this tick, and choose for whom it is time.
+
+        Who is not textured costs nothing, and nobody else's turn.
+        """
+        if not self.active:
+            self._since[:] = np.inf
+            return
+        danced = self.danced(phase)
+        watch_legs(self._now, position, rotation)
+        new = ~np.isfinite(self._since)
+        if new.any():
+            self._since[new], self._before[new], self._danced_before[new] = danced[new], self._now[new], danced[new]
+        keep_moments(self._kept, self._before, self._now, self._danced_before, danced, _EIGHTHS)
+        self._before[:], self._danced_before[:] = self._now, danced
+        wanted = self._variation.texture
+        line = np.floor(danced - PREFIX).astype(np.int64)
+        due = ((wanted > 0.0) | (self.level > 0.0)) & (line > self.chosen) & (danced >= self.switched + BLEND)
+        due &= line - 0.5 >= self._since
+        for dancer in np.flatnonzero(due)[: -(-len(due) // TURNS)].tolist():
+            self._choose(dancer, int(line[dancer]), float(danced[dancer]))
+        self._fade(wanted, dt)
+
+    def _fade(self, wanted: Float64, dt: float) -> None:
+        part = 1.0 - math.exp2(-dt / FADE_HALFLIFE)
+        self.level += (part * (wanted * (self.fragment >= 0) - self.level)).astype(np.float32)
+        out = (wanted == 0.0) & (self.level < 1e-3)
+        self.level[out] = 0.0
+        self.fragment[out], self.chosen[out] = -1, _NEVER
+
+    def _choose(self, dancer: int, line: int, danced: float) -> None:
+        """The beat of the recordings that goes on with `dancer` from the danced beat `line` on."""
+        bank, last = self.bank, int(self.fragment[dancer])
+        prefix_of(self._own, self._kept[dancer], line)
+        going = -1
+        if last >= 0:
+            then = last + int(line - self.chosen[dancer])
+            if then < bank.count and bank.first[then] == bank.first[last]:
+                going = then
+        join = JOIN * bank.spread
+        best = nearest_fragment(self._far, bank.legs, self._own, going, join, TASTE, self._seed, dancer)
+        self.fragment[dancer], self.chosen[dancer] = best, line
+        if best == going:
+            return
+        origin, ends = float(bank.begin[best] - PER_BEAT * line), (bank.first[best], bank.last[best])
+        if last >= 0:
+            self._origin[1, dancer], self._limits[1, dancer] = self._origin[0, dancer], self._limits[0, dancer]
+        else:
+            self._origin[1, dancer], self._limits[1, dancer] = origin, ends
+        self._origin[0, dancer], self._limits[0, dancer] = origin, ends
+        self.switched[dancer] = danced
+        at, limits = self._origin[:, dancer] + PER_BEAT * danced, self._limits[:, dancer]
+        whole, known = bool(self.level[dancer] > WHOLE), int(self._signs[0, dancer])
+        self._signs[1, dancer] = known
+        self._signs[0, dancer] = signs_of(bank.upper, at[0], limits[0], at[1], limits[1], known, bank.middle, whole)
+        if last < 0:
+            self._signs[1, dancer] = self._signs[0, dancer]
+
+    def dress(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
+        """Texture poses at `position` (A, J, 3) and `rotation` (A, J, 4), world, at `phase` (A,) of the measure; or
+        those of the dancers `rows` (n,) alone, (n, J, 3) and (n, J, 4).
+
+        Nothing but the poses is changed.
+        """
+        if not (self.bank.count and self.level.any()):
+            return
+        bank, danced, head = self.bank, self.danced(phase), self._variation.head.astype(np.float32)
+        if rows is None:
+            dress(
+                position, rotation, danced, self.level, self._origin, self._limits, self.switched, BLEND,
+                self._signs, bank.upper, self._offsets, self._parents, head,
+            )  # fmt: skip
+            return
+        limits = np.ascontiguousarray(self._limits[:, rows])
+        origin, signs = np.ascontiguousarray(self._origin[:, rows]), np.ascontiguousarray(self._signs[:, rows])
+        dress(
+            position, rotation, danced[rows], self.level[rows], origin, limits, self.switched[rows], BLEND,
+            signs, bank.upper, self._offsets, self._parents, head[rows],
+        )  # fmt: skip
+
+
+def bank_of(patch: Patch, path: Path) -> TextureBank | None:
+    """What dancers of the patch may be textured with, None if it names no recordings.
+
+    PersonError for recordings that are not there, cannot be read, or hold no beat; and for a patch that asks for
+    texture and names none.
+    """
+    section = patch.texture
+    if not section.recordings:
+        groups = [index for index, group in enumerate(patch.group) if patch.motion_of(group).texture > 0.0]
+        if groups:
+            raise PersonError(
+                f"{path}: motion.texture is {patch.motion_of(patch.group[groups[0]]).texture:g}, and there is nothing "
+                "to take it from",
+                '[texture] with recordings = ["mocap"], a folder of motion files',
+            )
+        return None
+    places = []
+    with named(f"{path}: texture.recordings"):
+        for name in section.recordings:
+            found = find_beside(name, path)
+            if found is None:
+                raise PersonError(f"there is no file and no folder {name[:200]!r}", "name it beside the patch")
+            places.append(found)
+        clips = [clip for clip in read_material(places, fps=section.fps).clips if UNBEATEN not in clip.tags]
+        try:
+            return TextureBank.of(clips)
+        except ValueError as error:
+            raise PersonError(
+                str(error), "give longer recordings, or say bpm and first_beat_s of them in a TOML file beside them"
+            ) from None

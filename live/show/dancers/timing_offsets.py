@@ -1,0 +1,122 @@
+"""Drift: the warp over the whole sequence, by which dancers are slowly ahead and behind, measure after measure (T056).
+
+Cubic splines through random values, the phase accumulated.
+
+Ripple: a delay that runs over a group, from one side of the stage to the other or outward from a point (T051).
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.errors import PersonError
+from live.motion.pose.pipeline_kernels import drift_ahead
+from live.show.dancers.rng import Purpose, chance_of
+
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+KNOT_LOW: Final = 0.125
+KNOT_HIGH: Final = 0.5
+"""Cycles per measure: dancers drift ahead and behind over two to eight measures."""
+SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
+"""Weights of a uniform cubic B-spline's integral over one span."""
+
+
+class Drift:
+    """Where A dancers are in their drifting. To be asked in the order of the measures."""
+
+    def __init__(self, count: int, seed: int) -> None:
+        self._count, self._seed = count, seed
+        self.phase: Float64 = np.zeros(count)
+        """Phase of each dancer's warp when the present measure begins [rad], shape (A,)."""
+        self._knots: Float64 = np.zeros((2, 4, count))
+        self._amplitude_knots, self._frequency_knots = self._knots
+        self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
+        self._knots_of: int | None = None
+        self._passes: Float64 | None = None  # `_passed`, if it is worked out already
+
+    def begin_measure(self, measure: int) -> None:
+        """The measure `measure` (from 0) begins: the phase goes on, the splines move on."""
+        self.phase += self._passed() if self._passes is None else self._passes
+        first = 3 if self._knots_of == measure - 1 else 0
+        if first:
+            self._knots[:, :-1] = self._knots[:, 1:]
+        self._knots_of = measure
+        for n in range(first, 4):
+            if self._drawn[0] != measure + n:
+                self.foresee(measure + n)
+            self._knots[:, n] = self._drawn[1]
+        self._passes = None
+
+    def foresee(self, measure: int) -> None:
+        """Draw ahead what is needed in `measure` first: three measures before it."""
+        drawn = chance_of(self._seed, Purpose.DRIFT, measure).uniform(0.0, 1.0, (2, self._count))
+        drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
+        self._drawn = measure, drawn
+        self._passes = self._passed()
+
+    def _passed(self) -> Float64:
+        """By how much the phase goes on in the present measure [rad], (A,)."""
+        return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
+
+    def at(self, out: Float64, rows: Int64, fraction: float, most: Float64, liked: Int32, like: Int32) -> None:
+        """How far the dancers `rows` (n,) are ahead (positive) or behind [share of a measure], `out` (n,).
+
+        `most` (A,) is how far each may be; through the measure each goes over from the timing of `liked` (A,) to that
+        of `like` (A,). A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which stay between their
+        random values, so |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the integral of 2πf (T056 as
+        corrected).
+        """
+        drift_ahead(out, rows, fraction, self.phase, self._knots, most, liked, like)
+
+
+SIDES: Final = {"left": (1.0, 0.0), "right": (-1.0, 0.0), "back": (0.0, 1.0), "front": (0.0, -1.0)}
+"""Where a ripple may begin, as the audience sees it, and the way (x, z) that it then runs."""
+NARROW: Final = 0.5
+"""A group narrower than this [m] is taken to be so wide: standing on one spot it does not flicker."""
+STEP: Final = 1.0 / 16.0
+"""Delays are multiples of this many beats."""
+_NUMBER: Final = r"[+-]?[0-9]{1,3}(?:\.[0-9]{1,6})?"
+_POINT: Final = re.compile(rf"({_NUMBER})[ ,]+({_NUMBER})")
+
+
+@dataclass(frozen=True, slots=True)
+class Ripple:
+    """How a group's dancers are late after one another."""
+
+    beats: float = 0.0
+    """From the first dancer to the last; 0: nobody is late."""
+    side: str = "left"
+    """The side where it begins, or "centre" for the group's middle, or "" for a point."""
+    point: tuple[float, float] = (0.0, 0.0)
+    """That point (x, z) [m]."""
+
+    def delays(self, place: Float64) -> Float64:
+        """How late dancers at `place` (n, 2) [m] are [beats], shape (n,)."""
+        if self.beats == 0.0 or len(place) < 2:
+            return np.zeros(len(place))
+        if self.side in SIDES:
+            way = place @ np.array(SIDES[self.side])
+        else:
+            origin = place.mean(axis=0) if self.side == "centre" else np.array(self.point)
+            way = np.hypot(*(place - origin).T)
+        way = way - way.min()
+        return np.asarray(np.round(self.beats / STEP * way / max(float(way.max()), NARROW)) * STEP)
+
+
+def parse_ripple(words: str, beats: float) -> Ripple:
+    """The ripple of so many `beats` that begins where the words say; PersonError if they mean no place."""
+    said = " ".join(words.casefold().split())
+    if said in SIDES or said == "centre":
+        return Ripple(beats, said)
+    if match := _POINT.fullmatch(said):
+        return Ripple(beats, "", (float(match[1]), float(match[2])))
+    raise PersonError(
+        f"a ripple cannot begin at {words[:60]!r}",
+        "say left, right, front, back, centre, or x z in metres as in '0 -2'",
+    )

@@ -1,0 +1,257 @@
+"""Desk: what light desk and stage manager have in a show: parameters and their fades, scenes, cues, panic, undo.
+
+Master: how much of the picture's light there is, whether the picture stands still, and whether it may flash.
+"""
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.scalar_kernels import damper
+from live.clock.ticks import TICK
+from live.clock.timeline import Timeline
+from live.control.events import events
+from live.control.events.events import ControlEvent
+from live.show.capture.capture_manager import Mocap
+from live.show.dancers.variation import Variation
+from live.show.desk.camera_rig import CameraRig, Spots, check_whom
+from live.show.desk.cue_list import Cues
+from live.show.desk.parameter_table import FIELDS, ParameterTable
+from live.show.desk.parameters import Parameters
+from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
+from live.show.desk.undo_history import Edits, parts_of
+from live.show.group.group_motion import GroupMotion
+from live.show.patch.patch import Patch
+from live.show.score.score_runner import Prompter
+from live.show.selection.scheduler import Scheduler
+
+MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
+"""The events that `act` takes."""
+QUICKEST: Final = 0.125
+"""A fade takes so many beats at least: quick, but no flash."""
+EVERYBODY: Final = "*"
+MOST_CARDS: Final = 64
+"""Outputs whose cards are remembered: names come over the network."""
+
+
+class Master:
+    """The last hand on the picture, over all scenes, cues and looks. Thread: the show's."""
+
+    def __init__(self) -> None:
+        self.level = 1.0
+        """Share of the light now."""
+        self.frozen = False
+        """Whether the picture stands still."""
+        self.flashes = False
+        """Whether the limit on flashes is lifted."""
+        self.goal = 1.0
+        """Share of the light where the fade ends."""
+        self.cards: dict[str, str] = {}
+        """Test cards that were asked for, by the output's name in small letters, in turn; `*`: all. Whoever has the
+        windows knows which names and cards there are; here they are kept for who goes on with the show."""
+        self._from = 1.0
+        self._length, self._passed = 1.0, 1.0
+
+    def act(self, event: events.ControlEvent) -> None:
+        """Let one of `MASTER_EVENTS` act."""
+        match event:
+            case events.FadePicture():
+                self._from, self.goal = self.level, event.level
+                self._length, self._passed = max(event.beats, QUICKEST), 0.0
+            case events.FreezePicture():
+                self.frozen = event.on
+            case events.AllowFlashes():
+                self.flashes = event.on
+            case events.ShowCard():
+                self._show_card(event.output.strip().casefold(), event.card.strip().casefold())
+
+    def _show_card(self, output: str, card: str) -> None:
+        if output == EVERYBODY:
+            self.cards.clear()
+        self.cards.pop(output, None)
+        if card != "off" or EVERYBODY in self.cards:
+            self.cards[output] = card
+        while len(self.cards) > MOST_CARDS:
+            self.cards.pop(next(iter(self.cards)))
+
+    def tick(self, beats: float) -> None:
+        """So many beats have passed."""
+        if self._passed >= self._length:
+            return
+        self._passed += beats
+        share = min(self._passed / self._length, 1.0)
+        eased = share * share * (3.0 - 2.0 * share)
+        self.level = self.goal if share >= 1.0 else self._from + (self.goal - self._from) * eased
+
+    def words(self) -> tuple[str, ...]:
+        """The overlay's lines; none while all is as usual."""
+        lines = ["FROZEN: the picture stands still"] if self.frozen else []
+        if self.level < 1.0:
+            lines.append(f"faded to {self.level:.0%}")
+        if self.flashes:
+            lines.append("flashes are not limited")
+        return tuple(lines)
+
+    def facts(self) -> dict[str, float | bool]:
+        """For the status."""
+        return {"level": round(self.level, 3), "frozen": self.frozen, "flashes": self.flashes}
+
+
+DESK_EVENTS: Final = (
+    *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
+    events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
+)  # fmt: skip
+"""The events that `act` takes."""
+ENERGY_HALFLIFE: Final = 0.25
+"""Light goes half the way to what the music's energy asks for in so long [s]."""
+CALM: Final = 2.0
+"""Beats in which the patch's own light comes back when somebody panics."""
+
+
+class Desk:
+    """The desk of one show. What it says the show does it returns as events. Thread: the show's."""
+
+    def __init__(
+        self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
+        mocap: Mocap,
+    ) -> None:  # fmt: skip
+        """PersonError for a scene that names what is not there."""
+        table = ParameterTable([section.name for section in patch.group])
+        self.parameters = Parameters(table, start_row(patch), variation)
+        beats = patch.clock.beats_per_measure
+        self.rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
+        """The moving camera."""
+        check_whom(patch, motion)
+        self.spots = Spots(self.parameters, motion)
+        self.energy = 0.5
+        """How much energy the music has, smoothly, 0 to 1."""
+        self.scenes = Scenes(patch, self.parameters, self.rig)
+        self._prompter = prompter
+        self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
+        self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap))
+        self.beats = patch.clock.beats_per_measure
+        """Beats of a danced measure."""
+        self.master = Master()
+        """What fades or freezes the whole picture."""
+        self.held = False
+        """Whether cues and score stand still; `parameters.held` says it of fades."""
+
+    # -- events ------------------------------------------------------------------------------------------------
+
+    def act(self, event: ControlEvent, *, timeline: Timeline, danced: float) -> list[ControlEvent]:
+        """Let an event of `DESK_EVENTS` act at the danced beat; PersonError if it asks for what is not there."""
+        if type(event) in SCENE_EVENTS:  # these come by the thousand
+            self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
+            return []
+        match event:
+            case events.Go():
+                return [*self._let_go(event, danced), *self.cues.go(event, danced)]
+            case events.GiveCue():
+                return [*self._let_go(event, danced), *self.cues.give(event.name, danced)]
+            case events.StandBy():
+                self.cues.stand_by(event.name)
+            case events.StepBack():
+                return self.cues.back()
+            case events.Panic():
+                return self._panic(event)
+            case events.HoldShow():
+                return self._hold(event) if event.on else self._let_go(event, danced)
+            case events.FollowSpot():
+                beats = max(event.measures, 0.0) * timeline.beats_per_measure
+                self.spots.follow(event.spot, event.whom, event.level, beats=beats)
+            case events.Undo():
+                self.edits.undo()
+            case events.Redo():
+                self.edits.redo()
+            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
+                self.master.act(event)
+        return []
+
+    def _panic(self, event: ControlEvent) -> list[ControlEvent]:
+        self.cues.stop()
+        self.parameters.held = False
+        self.parameters.reset(beats=CALM)
+        self.rig.chase.turn_to(self.rig.start)
+        self.held = True
+        self._prompter.calm(True)
+        time, source = event.time, event.source
+        return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True),
+                events.MuteAudience(time=time, source=source, on=True)]  # fmt: skip
+
+    def _hold(self, event: ControlEvent) -> list[ControlEvent]:
+        self.held = self.parameters.held = True
+        return [events.HoldScore(time=event.time, source=event.source, on=True)]
+
+    def _let_go(self, event: ControlEvent, danced: float) -> list[ControlEvent]:
+        if not self.held:
+            return []
+        self.held = self.parameters.held = False
+        self._prompter.calm(False)
+        self.cues.let_go(danced)
+        return [events.HoldScore(time=event.time, source=event.source, on=False)]
+
+    def notice(self, event: ControlEvent) -> None:
+        """Take note of an event that others act on: who sets a value by hand takes it out of its fade."""
+        if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
+            everybody = event.group in ("", "*")
+            known = self.parameters.table
+            groups = known.groups if everybody or not known.has(event.group) else [known.group(event.group)]
+            self.parameters.told(event.parameter, groups)
+
+    # -- time --------------------------------------------------------------------------------------------------
+
+    def tick(self, timeline: Timeline, ticks: int = 1) -> None:
+        """So many ticks have passed."""
+        beats = ticks * TICK * timeline.tempo / 60.0
+        self.parameters.tick(beats)
+        self.master.tick(beats)
+        self.rig.tick(ticks * TICK, beats)
+        self.spots.tick(ticks * TICK)
+        self.energy = damper(self.energy, self._prompter.mood.of("energy"), ENERGY_HALFLIFE, ticks * TICK)
+
+    def fire(self, danced: float, time: float) -> list[ControlEvent]:
+        """What cues bring by the danced beat, at `time` [s]."""
+        return [] if self.held else self.cues.fire(danced, time)
+
+    def begin_measure(self, danced: float) -> list[ControlEvent]:
+        """A measure has begun."""
+        self.rig.chase.begin_measure()
+        self.spots.begin_measure()
+        return [] if self.held else self.cues.begin_measure(danced)
+
+    # -- what is told --------------------------------------------------------------------------------------------
+
+    def hashed(self) -> tuple[npt.NDArray[np.float64], ...]:
+        """What belongs to the state of the show; nothing until somebody has used the desk."""
+        used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
+        own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
+        return (*own, *self.rig.chase.hashed(), *self.spots.hashed())
+
+    def words(self, danced: float) -> tuple[str, ...]:
+        """The overlay's lines on cues; none in a show without any."""
+        facts = self.cues.facts(danced)
+        still = "score, fades and cues" if self.parameters.held else "score and cues"
+        lines = [f"HELD: {still} stand still"] if self.held else []
+        counted = self.cues.count_in(danced)
+        if counted is not None:
+            beats = f"{max(math.ceil(counted[0]), 0)} beats" if math.isfinite(counted[0]) else "the next section"
+            lines.append(f"GO in {beats}: {counted[1]}")
+        if facts["standby"] is not None:
+            lines.append("stands by: " + "   ".join(word for word in (facts["standby"], facts["text"]) if word))
+        if facts["next"] is not None:
+            lines.append(f"then: {facts['next']}")
+        return (*self.master.words(), *lines)
+
+    def facts(self, danced: float) -> dict[str, Any]:
+        """For the status: cues, fades, edits, and whether the show is held."""
+        return {
+            "cues": {**self.cues.facts(danced), "held": self.held},
+            "scenes": self.scenes.names,
+            "fading": self.parameters.fading,
+            "master": self.master.facts(),
+            **self.rig.facts(),
+            **self.spots.facts(),
+            **self.edits.facts(),
+        }

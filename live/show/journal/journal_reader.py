@@ -1,0 +1,296 @@
+"""Reading a journal, line by line: a night of a day and more is never in memory as a whole.
+
+What a journal holds: how long, how many measures, which events from whom, what is damaged; read in one go.
+"""
+
+import contextlib
+import json
+import math
+from array import array
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final, TextIO
+
+from live.base.compression import values_in
+from live.clock.ticks import TICK
+from live.control.events.event import ControlEvent
+from live.control.events.event_json import event_from_json
+from live.control.events.events import TicksSkipped
+from live.show.journal.journal_writer import GAP
+from live.show.journal.skipped_events import Gap, left_out
+
+FORMAT: Final = 2
+"""What is written; 1 had no snapshots, and no line without a word that is as usual."""
+READ: Final = (1, 2)
+LONGEST: Final = 1 << 24
+"""Characters of a line at most ..."""
+MOST_VALUES: Final = 1 << 20
+"""... and values in it: a file that is no journal is not read into memory."""
+
+
+LONGEST_GAP: Final = 64 * 600
+"""Ticks between two lines at most: a measure is noted at least once in ten minutes."""
+
+
+Columns = dict[str, list[str]]
+
+
+class JournalError(Exception):
+    """A journal cannot be written or read; the message names file and line."""
+
+
+@dataclass(frozen=True, slots=True)
+class JournalLine:
+    """One line after the header: the tick, and an event, a measure's state hash, or the end."""
+
+    tick: int
+    event: ControlEvent | None = None
+    measure: int | None = None
+    state: str | None = None
+    end: bool = False
+    left_out: bool = False
+    """Whether the event was left out when the show went on calmer: it acts no more, as if it had not been."""
+    number: int = 0
+    """Which line of the file it is, from 1."""
+    damaged: str | None = None
+    """What is wrong with it, if it could not be read; it stands for whatever was lost there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Journal:
+    """A journal whose header has been read; its lines are read each time they are asked for."""
+
+    path: Path
+    header: dict[str, Any]
+
+    @property
+    def patch(self) -> dict[str, Any]:
+        """What the header holds of the patch; nothing if it is damaged."""
+        patch = self.header.get("patch")
+        return patch if isinstance(patch, dict) else {}
+
+    @property
+    def _columns(self) -> Columns:
+        columns = self.header.get("columns")
+        return columns if isinstance(columns, dict) else {}
+
+    @property
+    def lines(self) -> Iterator[JournalLine]:
+        """Its lines in order; JournalError at the first that is damaged. A last one that is cut off ends it."""
+        for line in self.usable():
+            if line.damaged is not None:
+                raise JournalError(line.damaged)
+            yield line
+
+    def usable(self) -> Iterator[JournalLine]:
+        """Its lines in order, damaged ones with the word `damaged`, at the tick of the line before."""
+        with self.path.open(encoding="utf-8", errors="replace") as file:
+            _row(file)
+            yield from _lines(file, self.path, self._columns, left_out(self.path))
+
+    def rows_with(self, *words: str) -> Iterator[JournalLine]:
+        """Those of its whole lines that hold one of these words, quickly: the others are not looked into."""
+        with self.path.open(encoding="utf-8", errors="replace") as file:
+            _row(file)
+            number = 1
+            while (row := _row(file)) is not None:
+                number += 1
+                if any(word in row for word in words):
+                    with contextlib.suppress(JournalError, ValueError, TypeError, OverflowError):
+                        value = _parse(row, self.path, number)
+                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40), self._columns)
+
+    @property
+    def last_tick(self) -> int:
+        """The tick of its last whole line; 0 if that cannot be read."""
+        for row in reversed(self._tail()[:-1]):
+            with contextlib.suppress(JournalError, ValueError, TypeError, KeyError):
+                return int(_parse(row.decode("utf-8", "replace"), self.path, 0)["tick"])
+        return 0
+
+    def _tail(self) -> list[bytes]:
+        """Its last rows; the last of them is empty where the file is whole."""
+        with self.path.open("rb") as file:
+            size = file.seek(0, 2)
+            file.seek(max(0, size - (1 << 16)))
+            return file.read().split(b"\n")
+
+    @property
+    def complete(self) -> bool:
+        """False if the end is not there (the machine stopped): everything before it counts."""
+        last = self._tail()
+        return len(last) > 1 and last[-1] == b"" and b'"end":true' in last[-2].replace(b" ", b"")
+
+
+def read_journal(path: Path) -> Journal:
+    """Open a journal and read its header; JournalError names the file and what was expected."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            row = _row(file) or ""
+            file.read(1 << 16)
+    except OSError as error:
+        raise JournalError(f"cannot read the journal {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise JournalError(f"{path} is not a journal: it is not text") from None
+    header = _parse(row, path, 1)
+    if header.get("journal") not in READ:
+        found = f"format {header['journal']!r}" if "journal" in header else "no 'journal' key"
+        raise JournalError(f"{path}, line 1: a journal of format {' or '.join(map(str, READ))} expected, found {found}")
+    return Journal(path, header)
+
+
+def _row(file: TextIO) -> str | None:
+    """The next line without its end; None after the last, and for one that is cut off."""
+    row = file.readline(LONGEST)
+    return row[:-1] if row.endswith("\n") else None
+
+
+def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
+    if values_in(row) > MOST_VALUES:
+        raise JournalError(f"{path}, line {number}: more values than any line has")
+    try:
+        value = json.loads(row)
+    except (ValueError, RecursionError):
+        raise JournalError(f"{path}, line {number}: not a JSON object") from None
+    if not isinstance(value, dict):
+        raise JournalError(f"{path}, line {number}: a JSON object expected")
+    return value
+
+
+def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> Iterator[JournalLine]:
+    last, number, lost = 0, 1, 0
+    while (row := _row(file)) is not None:
+        number += 1
+        try:
+            value = _parse(row, path, number)
+            missing = _missing(value)
+            line = _line(value, path, number, last, columns, far=missing > 0)
+        except JournalError as error:
+            yield JournalLine(last, number=number, damaged=str(error))
+            continue
+        now = value.get("lost", lost)
+        if now != lost:
+            words = f"{path}, line {number}: before it lines could not be written, {now} by then"
+            yield JournalLine(last, number=number, damaged=words)
+            lost = now
+        if missing:
+            words = f"{path}, line {number}: before it {missing} lines are missing that could not be written"
+            yield JournalLine(last, number=number, damaged=words)
+        for gap in gaps:
+            if gap.anew and number == gap.first:
+                yield _anew(gap, path, last, columns)
+        last = line.tick
+        over = [gap for gap in gaps if gap.first <= number <= gap.mark]
+        if over:
+            state = None if any(number < gap.mark for gap in over) else line.state
+            line = replace(line, left_out=any(number in gap.events for gap in over), state=state)
+        yield line
+        if isinstance(line.event, TicksSkipped):
+            last += line.event.count
+
+
+def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
+    """The event that acts before what was danced anew."""
+    try:
+        value = _parse(gap.anew, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
+        return _line(value, path, gap.mark, last, columns)
+    except JournalError as error:
+        return JournalLine(last, number=gap.mark, damaged=str(error))
+
+
+def _missing(value: dict[str, Any]) -> int:
+    """How many lines are missing before this one, as it says itself."""
+    count = value.get(GAP, 0)
+    return count if isinstance(count, int) else 0
+
+
+def _line(
+    value: dict[str, Any], path: Path, number: int, last: int, columns: Columns, *, far: bool = False
+) -> JournalLine:
+    """`far`: it may lie any time after the one before it."""
+    tick = value.get("tick")
+    if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
+        raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
+    if tick - last > LONGEST_GAP and not far:
+        raise JournalError(f"{path}, line {number}: damaged: its tick {tick} lies far after {last}")
+    if "event" in value:
+        try:
+            event = event_from_json(value["event"], columns)
+        except (ValueError, AttributeError, TypeError) as error:
+            raise JournalError(f"{path}, line {number}: {error}") from None
+        if not math.isfinite(event.time):
+            raise JournalError(f"{path}, line {number}: the event's time is not a number")
+        return JournalLine(tick, event=event, number=number)
+    if "measure" in value:
+        measure = value["measure"]
+        if not isinstance(measure, int) or isinstance(measure, bool) or not 0 <= measure <= 1 << 40:
+            raise JournalError(f"{path}, line {number}: 'measure' must be a whole number, found {measure!r:.80}")
+        return JournalLine(tick, measure=measure, state=str(value.get("hash")), number=number)
+    return JournalLine(tick, end=bool(value.get("end")), number=number)
+
+
+KEPT_PROBLEMS = 1000
+"""Problems that are kept in words; all are counted."""
+
+
+@dataclass(slots=True)
+class Survey:
+    """Figures of one journal. Ticks of measures and of events are kept, a few bytes each."""
+
+    journal: Journal
+    ticks: int = 0
+    """The last tick there is a line of."""
+    skipped: int = 0
+    """Ticks left out in stalls."""
+    measure_tick: "array[int]" = field(default_factory=lambda: array("q"))
+    """When each measure began ..."""
+    measure: "array[int]" = field(default_factory=lambda: array("q"))
+    """... and which it is, from 1."""
+    events: "dict[tuple[str, str], array[int]]" = field(default_factory=dict)
+    """Ticks of the events, by source and type."""
+    damaged: int = 0
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def seconds(self) -> float:
+        """Length of the show."""
+        return self.ticks * TICK
+
+    @property
+    def counts(self) -> Counter[tuple[str, str]]:
+        """How many events there are, by source and type."""
+        return Counter({key: len(ticks) for key, ticks in self.events.items()})
+
+    def tempo(self) -> list[tuple[int, float]]:
+        """Tick and mean tempo [bpm] of each whole measure, in the patch's metre."""
+        clock = self.journal.patch.get("clock")
+        beats = clock.get("beats_per_measure") if isinstance(clock, dict) else None
+        beats = beats if isinstance(beats, int) and 2 <= beats <= 12 else 4
+        rows = zip(self.measure_tick, self.measure_tick[1:], self.measure, self.measure[1:], strict=False)
+        return [
+            (begin, 60.0 * beats * (number - first) / ((end - begin) * TICK))
+            for begin, end, first, number in rows
+            if end > begin and number > first
+        ]
+
+
+def survey(journal: Journal) -> Survey:
+    """Read all lines of a journal once."""
+    found = Survey(journal)
+    for line in journal.usable():
+        found.ticks = max(found.ticks, line.tick)
+        if line.damaged is not None:
+            found.damaged += 1
+            if len(found.problems) < KEPT_PROBLEMS:
+                found.problems.append(line.damaged)
+        elif line.event is not None:
+            key = line.event.source, type(line.event).__name__
+            found.events.setdefault(key, array("q")).append(line.tick)
+            if isinstance(line.event, TicksSkipped):
+                found.skipped += line.event.count
+        elif line.measure is not None:
+            found.measure_tick.append(line.tick)
+            found.measure.append(line.measure)
+    return found

@@ -1,0 +1,290 @@
+"""What calls of a patch name is there: scenes, views, looks, signals, gates, facings, and places of the score.
+
+What scenes and cues of a patch name is there: looked at before anything plays.
+
+Whether the trackers that performers of a patch stand at are there, each for one performer.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final, Protocol
+
+from live.base.errors import PersonError
+from live.control.events import events
+from live.control.registry.registry import REGISTRY
+from live.show.dancers.timing_offsets import parse_ripple
+from live.show.desk.parameter_table import LOOK, VIEW, split
+from live.show.patch.cue_cycle_check import cue_loops
+from live.show.patch.score_checks import Written, calls_of, signals_of, written_length
+from live.show.patch.section_base import Amiss
+from live.show.patch.section_cues import CueSection, NamedLookSection, SceneSection, ViewSection
+from live.show.patch.section_io import MidiSection, MocapSection, PsnSection
+from live.show.patch.section_motion import GroupSection, parse_facing
+from live.show.patch.section_score import AtSection, ScoreSection
+from live.show.patch.section_stage import GateSection, ProjectorSection
+
+
+class Recalled(Written, Protocol):
+    """What is looked at of a patch."""
+
+    @property
+    def reserve(self) -> int: ...
+    @property
+    def midi(self) -> MidiSection: ...
+    @property
+    def gate(self) -> Sequence[GateSection]: ...
+    @property
+    def group(self) -> Sequence[GroupSection]: ...
+    @property
+    def view(self) -> Sequence[ViewSection]: ...
+    @property
+    def projector(self) -> ProjectorSection | None: ...
+    @property
+    def looks(self) -> Sequence[NamedLookSection]: ...
+    @property
+    def scene(self) -> Sequence[SceneSection]: ...
+    @property
+    def cue(self) -> Sequence[CueSection]: ...
+    @property
+    def section(self) -> Sequence[ScoreSection]: ...
+    @property
+    def at(self) -> Sequence[AtSection]: ...
+
+
+CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
+"""Controls whose first value is a cue."""
+FASTEST: Final = 0.999
+"""Cues that come back to themselves within so many beats are a mistake; slower ones may be meant."""
+START: Final = "start"
+"""The view, look and scene that every patch has: what it begins with."""
+EVERY_SHOW: Final = ("front", "side", "top", "around")
+"""Views that every show has, unless the patch calls others so."""
+PROJECTOR: Final = "projector"
+"""The view of a patch with a `[projector]`."""
+
+
+def standing_views(patch: Recalled) -> list[str]:
+    """The views that a patch has without a `[[view]]`."""
+    return [START, *EVERY_SHOW, *([PROJECTOR] if patch.projector is not None else [])]
+
+
+def check_cues(patch: Recalled) -> None:
+    """Amiss for a scene or cue of the patch that names what is not there, and for a scene recalled by the score."""
+    _check_start(patch)
+    _check_scenes(patch)
+    scenes = {_folded(scene.name) for scene in patch.scene} | {START}
+    sections = {_folded(section.name) for section in patch.section}
+    for number, cue in enumerate(patch.cue):
+        if cue.scene is not None and _folded(cue.scene) not in scenes:
+            words = f"cue {cue.name!r}: no scene is called {cue.scene!r}; there are: {', '.join(sorted(scenes))}"
+            raise Amiss(words, "cue", number, "scene")
+        if cue.section is not None and _folded(cue.section) not in sections:
+            known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+            words = f"cue {cue.name!r}: no section is called {cue.section!r}; there are: {known}"
+            raise Amiss(words, "cue", number, "section")
+        if cue.when == "section" and not sections:
+            words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
+            raise Amiss(words, "cue", number, "when")
+    _check_named_cues(patch)
+    _check_loops(patch)
+    for number, at in enumerate(patch.at):
+        if at.scene is not None and _folded(at.scene) not in scenes:
+            words = (
+                f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}; there are: "
+                f"{', '.join(sorted(scenes))}"
+            )
+            raise Amiss(words, "at", number, "scene")
+
+
+def _check_start(patch: Recalled) -> None:
+    """What a patch begins with has its name already."""
+    named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
+    for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
+        for index, name in enumerate(names):
+            if _folded(name) == START:
+                what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
+                words = f"{name!r} is what the patch begins with, as {what} say: give this one another name"
+                raise Amiss(words, kind, index, "name")
+
+
+def _check_loops(patch: Recalled) -> None:
+    """No cue calls itself, nor comes back to itself within a beat; slower loops of several cues are a way to write."""
+    for loop in cue_loops(patch, within=FASTEST):
+        name = patch.cue[loop.cue].name
+        if loop.itself:
+            words = (
+                f"cue {name!r} calls itself: it would come again for ever, and stand by nothing but the cue after it; "
+                "what comes again is an [[at]] in a [[section]] that repeats"
+            )
+        else:
+            words = (
+                f"cue {name!r} calls its way back to itself within {loop.beats:g} beats, for ever: "
+                'when = "measure" or a count_in for one of them'
+            )
+        raise Amiss(words, *loop.place)
+
+
+def _check_named_cues(patch: Recalled) -> None:
+    """No number stands for two cues, and all cues that are called are there."""
+    numbers: dict[float, str] = {}
+    for index, cue in enumerate(patch.cue):
+        if cue.number is not None and cue.number in numbers:
+            words = f"cues {numbers[cue.number]!r} and {cue.name!r} both have number {cue.number:g}: change one of them"
+            raise Amiss(words, "cue", index, "number")
+        if cue.number is not None:
+            numbers[cue.number] = cue.name
+    told = {f"{number:g}": name for number, name in numbers.items()}
+    for index, cue in enumerate(patch.cue):
+        other = told.get(_folded(cue.name), cue.name)
+        if other != cue.name:
+            words = f"cue {cue.name!r} is called as cue {other!r} is numbered: change one of them"
+            raise Amiss(words, "cue", index, "name")
+    names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
+    for call, values, place in calls_of(patch):
+        if call not in CUE_CALLS or (name := _folded(str(values[0]))) in names:
+            continue
+        known = ", ".join(cue.name for cue in patch.cue) or "none"
+        raise Amiss(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
+
+
+def _check_scenes(patch: Recalled) -> None:
+    groups = {_folded(group.name) for group in patch.group}
+    known = ", ".join(group.name for group in patch.group)
+    named = {VIEW: {_folded(view.name) for view in patch.view} | set(standing_views(patch))}
+    named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START}}
+    for number, scene in enumerate(patch.scene):
+        for key, value in scene.set.items():
+            address, group = split(key)
+            if group != "*" and _folded(group) not in groups:
+                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}; there are: {known}"
+                raise Amiss(words, "scene", number, "set", key)
+            if address in named and _folded(str(value)) not in named[address]:
+                there = ", ".join(sorted(named[address]))
+                words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}; there are: {there}"
+                raise Amiss(words, "scene", number, "set", key)
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()
+
+
+NAMING: Final = (
+    "/dance/scene", "/dance/camera", "/dance/look", "/dance/signal", "/dance/section", "/dance/advance",
+    "/dance/practice", "/dance/enter", "/dance/leave", "/dance/facing", "/dance/ripple",
+)  # fmt: skip
+"""Controls whose names only the patch knows."""
+GATES: Final = ("left", "right", "back")
+"""The gates of a stage that names none."""
+WHENS: Final = ("measure", "section")
+
+
+def check_named(patch: Recalled) -> None:
+    """Amiss for a call of the score or of a cue that names what is not there."""
+    named: _Named | None = None
+    seen: set[tuple[object, ...]] = set()
+    for call, values, place in calls_of(patch):
+        if call not in NAMING or (call, *values) in seen:
+            continue
+        seen.add((call, *values))
+        named = named or _Named(patch)
+        try:
+            named.check(REGISTRY.call(call, values, 0.0, "patch"))
+        except PersonError as error:
+            raise Amiss(f"call {call}: {error}", *place) from None
+
+
+class _Named:
+    """What is there, by kind."""
+
+    def __init__(self, patch: Recalled) -> None:
+        self._patch = patch
+        stored = [str(values[0]) for call, values, _ in calls_of(patch) if call == "/dance/scene/store"]
+        stored += [str(one.values.get("name")) for one in patch.midi.map if one.control == "/dance/scene/store"]
+        self._scenes = [START, *(scene.name for scene in patch.scene), *stored]
+        self._views = [*standing_views(patch), *(view.name for view in patch.view)]
+        self._looks = [START, *(look.name for look in patch.looks)]
+        self._gates = [gate.name for gate in patch.gate] or list(GATES)
+
+    def check(self, event: object) -> None:
+        """PersonError if the event names what is not there."""
+        act = _CHECKS.get(type(event))
+        if act is not None:
+            act(self, event)
+
+    def _scene(self, event: events.RecallScene) -> None:
+        _there("scene", event.name, self._scenes)
+
+    def _view(self, event: events.RecallView) -> None:
+        _there("view", event.name, self._views)
+
+    def _look(self, event: events.RecallLook) -> None:
+        _there("look", event.name, self._looks)
+
+    def _signal(self, event: events.Signal) -> None:
+        _there("signal", event.name, sorted(signals_of(self._patch)))
+
+    def _jump(self, event: events.JumpTo) -> None:
+        _there("section", event.section, [section.name for section in self._patch.section])
+        _there("when", event.when, WHENS)
+        size = next(one.measures for one in self._patch.section if _folded(one.name) == _folded(event.section))
+        if event.measure > size:
+            raise PersonError(f"section {event.section!r} has no measure {event.measure}", f"it has {size}")
+
+    def _advance(self, event: events.Advance) -> None:
+        _there("when", event.when, WHENS)
+
+    def _practice(self, event: events.Practice) -> None:
+        length = written_length(self._patch)
+        if event.first > event.last:
+            raise PersonError(f"measures {event.first} to {event.last}: the first one comes last")
+        if length is not None and event.last > length:
+            raise PersonError(f"the score has no measure {event.last}", f"it has {length}")
+
+    def _gate(self, event: events.Enter | events.Leave) -> None:
+        if event.gate.strip() not in ("", "*"):
+            _there("gate", event.gate, self._gates)
+
+    def _facing(self, event: events.SetFacing) -> None:
+        names = tuple(_folded(group.name) for group in self._patch.group)
+        dancers = sum(group.dancers for group in self._patch.group) + self._patch.reserve
+        parse_facing(event.facing, dancers=dancers, groups=names)
+
+    def _ripple(self, event: events.SetRipple) -> None:
+        parse_ripple(event.begins, event.beats)
+
+
+def _there(what: str, name: str, known: Sequence[str]) -> None:
+    """PersonError if nothing of the kind `what` is called so."""
+    if _folded(name) not in map(_folded, known):
+        raise PersonError(f"no {what} is called {name!r}", f"there are: {', '.join(known) or 'none'}")
+
+
+_CHECKS: Final[dict[type, Callable[..., None]]] = {
+    events.RecallScene: _Named._scene,
+    events.RecallView: _Named._view,
+    events.RecallLook: _Named._look,
+    events.Signal: _Named._signal,
+    events.JumpTo: _Named._jump,
+    events.Advance: _Named._advance,
+    events.Practice: _Named._practice,
+    events.Enter: _Named._gate,
+    events.Leave: _Named._gate,
+    events.SetFacing: _Named._facing,
+    events.SetRipple: _Named._ripple,
+}
+
+
+def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
+    """Amiss for a tracker that `[psn]` does not name, if it names any, and for one that two performers have."""
+    whose = {each.name: each.name for each in performers if each.tracker is None}
+    for index, each in enumerate(performers):
+        if each.tracker is None:
+            continue
+        place = "mocap", index, "tracker"
+        if psn.trackers and each.tracker not in psn.trackers:
+            known = ", ".join(psn.trackers)
+            words = f"mocap {each.name!r}: no tracker is called {each.tracker!r}; [psn] trackers has: {known}"
+            raise Amiss(words, *place)
+        other = whose.setdefault(each.tracker, each.name)
+        if other != each.name:
+            words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each her own"
+            raise Amiss(words, *place)

@@ -1,0 +1,324 @@
+"""Reading a patch: from a TOML file, or a folder with show.toml, to a frozen Patch, with errors that name the line.
+
+TomlSources: tables merged from several TOML files, and for every key of the whole the file and line it stands on.
+
+Reading a TOML file into a model of its sections, with errors that name file, line, field and what is allowed.
+"""
+
+import contextlib
+import difflib
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from live.base.custom_pass import NAME
+from live.base.errors import PersonError
+from live.base.stage_snapshot import PASSES
+from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_remedy, toml_values
+from live.library.disk_cache import read_plain
+from live.show.background_work import validated
+from live.show.patch.patch import Patch
+from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, PatchError, is_file, learned_path
+from live.show.patch.section_base import Amiss
+
+
+@dataclass(eq=False)
+class TomlText:
+    """One file that has been read: its name in messages, its text and what that says."""
+
+    file: str
+    text: str
+    data: dict[str, Any]
+
+    @cached_property
+    def lines(self) -> dict[KeyPath, int]:
+        """Line of every key; found out when somebody asks, which is when something is wrong."""
+        return toml_lines(self.text)
+
+    def line(self, path: KeyPath) -> int:
+        """Line of a key of this file, or of the nearest table around it."""
+        return line_of(self.lines, path)
+
+
+def parse_text(text: str, file: str, what: str) -> TomlText:
+    """What a text says; PersonError with file and line if it is not TOML. `what` it is in words, as in "patch"."""
+    try:
+        return TomlText(file, text, toml_values(text))
+    except tomllib.TOMLDecodeError as error:
+        line = error_line(str(error), text)
+        raise PersonError(
+            f"{file}, line {line}: not valid TOML: {error}", toml_remedy(str(error), text, line)
+        ) from None
+    except RecursionError:
+        raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
+
+
+@dataclass(eq=False)
+class TomlSources:
+    """Several texts as one: tables of one kind follow each other, keys of one table come together.
+
+    The first text is the main one: what stands nowhere is looked for there.
+    """
+
+    texts: Sequence[TomlText]
+    data: dict[str, Any] = field(default_factory=dict)
+    """All of them together."""
+    _rows: dict[str, list[tuple[TomlText, int]]] = field(default_factory=dict)
+    _keys: dict[KeyPath, TomlText] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for text in self.texts:
+            for key, value in text.data.items():
+                self._take((key,), value, self.data, text)
+
+    def _take(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
+        """One key of one text into the whole; PersonError if it stands in another one already."""
+        key = str(path[-1])
+        if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
+            self._keys.setdefault(path, text)
+            into.setdefault(key, []).extend(value)
+            self._rows.setdefault(key, []).extend((text, index) for index in range(len(value)))
+        elif isinstance(value, dict) and isinstance(into.get(key, {}), dict):
+            self._keys.setdefault(path, text)
+            table = into.setdefault(key, {})
+            for name, inner in value.items():
+                self._take((*path, name), inner, table, text)
+        elif key in into:
+            there = self._keys[path]
+            raise PersonError(
+                f"{text.file}, line {text.line(path)}: {'.'.join(map(str, path))}: stands already in {there.file}, "
+                f"line {there.line(path)}",
+                "leave one of them out",
+            )
+        else:
+            into[key] = value
+            self._keys[path] = text
+
+    def where(self, path: KeyPath) -> tuple[str, int]:
+        """File and line of a key of the whole, ("element", 57, "measure"); of the nearest table around it."""
+        if len(path) > 1 and isinstance(path[1], int):
+            rows = self._rows.get(str(path[0]), [])
+            if path[1] < len(rows):
+                text, index = rows[path[1]]
+                return text.file, text.line((path[0], index, *path[2:]))
+        for length in range(len(path), 0, -1):
+            found = self._keys.get(path[:length])
+            if found is not None:
+                return found.file, found.line(path)
+        return self.texts[0].file, self.texts[0].line(path)
+
+    def told(self, path: KeyPath) -> str:
+        """Where that is, in words."""
+        file, line = self.where(path)
+        return f"{file}, line {line}"
+
+
+MAX_BYTES: Final = 4_000_000
+SHOWN_PROBLEMS: Final = 8
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_text(path: Path, what: str) -> str:
+    """The text of a file; `what` it is in words, as in "patch". PersonError if it cannot be read."""
+    try:
+        data = read_plain(path, MAX_BYTES)
+        if len(data) > MAX_BYTES:
+            raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
+        return data.decode("utf-8-sig")  # some editors begin a file with a mark of its encoding
+    except OSError as error:
+        raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
+    except ValueError as error:
+        if not isinstance(error, UnicodeDecodeError):  # a zero byte in the name
+            raise PersonError(f"cannot read the {what} {path}: no file can be called so") from None
+        raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
+
+
+def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
+    """What is written in `text`; `file` is named in errors. PersonError says what is wrong, and where."""
+    return model_of(TomlSources([parse_text(text, file, what)]), model, what)
+
+
+def model_of(
+    sources: TomlSources,
+    model: type[Model],
+    what: str,
+    check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
+) -> Model:
+    """What is written in all `sources` together; PersonError says what is wrong, and where.
+
+    `check` makes the model of the values, as `model_validate` does.
+    """
+    try:
+        return model.model_validate(sources.data) if check is None else check(model, sources.data)
+    except ValidationError as error:
+        raise PersonError(_explain(error, sources, model, what)) from None
+
+
+def _explain(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
+    problems = []
+    found = error.errors(include_url=False)
+    for problem in found[:SHOWN_PROBLEMS]:
+        where = tuple(problem["loc"])
+        fault = problem.get("ctx", {}).get("error")
+        if isinstance(fault, Amiss):
+            where += fault.place
+        problems.append(f"{sources.told(where)}: {field_words(where) or f'the {what}'}: {_words(problem, model)}")
+    more = len(found) - SHOWN_PROBLEMS
+    return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
+
+
+def field_words(where: tuple[str | int, ...]) -> str:
+    """A key as people are told of it: "element.3.measure", tables counted from 1."""
+    return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
+
+
+def _words(problem: Any, model: type[BaseModel]) -> str:
+    """One problem in words: what was read, what is allowed."""
+    kind, message, read = problem["type"], problem["msg"], problem["input"]
+    if kind == "extra_forbidden":
+        return f"unknown key; {_known_keys(problem['loc'], model)}"
+    if kind == "missing":
+        return "missing; it must be given"
+    if kind == "value_error":
+        return str(message).removeprefix("Value error, ")
+    context = problem.get("ctx", {})
+    if kind == "too_short":
+        return f"at least {context['min_length']} expected, found {context['actual_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']} expected, found {context['actual_length']}"
+    name = problem["loc"][-1]
+    if kind == "model_type":
+        several = isinstance(read, list) and read and isinstance(read[0], dict)
+        return f"a table expected, found {str(read)[:40]}" + (f"; there is one: write [{name}]" if several else "")
+    if kind == "tuple_type" and isinstance(read, dict):
+        return f"a list of tables expected, found one table; write [[{name}]] each time"
+    shown = repr(read) if isinstance(read, str | int | float | bool) else _KINDS.get(type(read), type(read).__name__)
+    if isinstance(read, str) and kind.endswith(("_parsing", "_type")):
+        message = message.partition(", unable to")[0]
+        return f"{message[:1].lower()}{message[1:]}, found the text {shown[:60]}" + _unquoted(read)
+    return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
+
+
+_KINDS: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
+"""Of what kind a value is, in words."""
+
+
+def _unquoted(read: str) -> str:
+    """What to do about a number or switch that stands in quotes."""
+    value = read.strip().casefold()
+    if value in ("true", "false"):
+        return f"; write {value} without quotes"
+    number = value.replace(",", ".", 1).lstrip("+-").replace(".", "", 1)
+    return "; write the number without quotes, with a point" if number.isdecimal() else ""
+
+
+def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
+    """The keys allowed where an unknown one stands, with the nearest spelling first if one is near."""
+    model: Any = of
+    for part in where[:-1]:
+        if isinstance(part, int):
+            continue
+        annotation = model.model_fields[part].annotation
+        inner = getattr(annotation, "__args__", None)
+        model = inner[0] if inner else annotation
+        if not hasattr(model, "model_fields"):
+            return "see the reference"
+    keys = list(model.model_fields)
+    near = difflib.get_close_matches(str(where[-1]), keys, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"{hint}allowed are {', '.join(keys)}"
+
+
+FOLDERS: Final = ("formations", "looks", "score")
+"""Folders beside show.toml whose TOML files belong to the patch, in the order in which they are read."""
+OWN_PASSES: Final = "passes"
+"""The folder beside a patch with its own passes: NAME.glsl."""
+MOST_FILES: Final = 256
+MOST_BYTES: Final = 16_000_000
+
+
+def find_beside(name: str, patch_path: Path) -> Path | None:
+    """A file or folder that a patch names: in the patch's folder first, then in the project's patches."""
+    for folder in (patch_path.parent, PATCHES):
+        with contextlib.suppress(OSError, ValueError):  # a name that no file can have
+            if (folder / name).exists():
+                return folder / name
+    return None
+
+
+def read_patch(path: Path) -> Patch:
+    """The patch in `path`; PatchError says what is wrong, where, and what is allowed."""
+    return read_sources(path)[0]
+
+
+def read_sources(path: Path) -> tuple[Patch, TomlSources]:
+    """The patch in `path` with, for a folder's show.toml, all that belongs to it; and where each key of it stands."""
+    try:
+        sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
+        _add_own_passes(sources.data, path)
+        return model_of(sources, Patch, "patch", validated), sources
+    except PersonError as error:
+        raise PatchError(error.message, error.remedy, error.place) from None
+
+
+def own_pass_files(path: Path) -> list[Path]:
+    """The files of own passes beside the patch in `path`."""
+    try:
+        return sorted((path.parent / OWN_PASSES).glob("*.glsl"))[:MOST_FILES]
+    except OSError:
+        return []
+
+
+def _add_own_passes(data: dict[str, Any], path: Path) -> None:
+    """Put the texts of own passes that a patch names into it; a file that is not there is told of with the name."""
+    table = data.get("picture")
+    named = table.get("passes") if isinstance(table, dict) else None
+    if not isinstance(table, dict) or not isinstance(named, list) or "own" in table:
+        return
+    found = []
+    for name in named:
+        if not isinstance(name, str) or name in PASSES or NAME.fullmatch(name) is None:
+            continue
+        file = path.parent / OWN_PASSES / f"{name}.glsl"
+        if is_file(file):
+            found.append({"name": name, "source": read_text(file, "pass")})
+    if found:
+        table["own"] = found
+
+
+def patch_files(path: Path) -> list[Path]:
+    """The files of a patch, the main one first: show.toml, then what was learned, then those of its FOLDERS in the
+    order of their names.
+
+    PatchError if they are too many or too large: nothing is read then.
+    """
+    files = [path, learned_path(path)] if is_file(learned_path(path)) else [path]
+    if path.name != MAIN_FILE:
+        return files
+    for folder in FOLDERS:
+        with contextlib.suppress(OSError):  # it has just gone
+            more = sorted(file for file in (path.parent / folder).glob("*.toml") if not file.name.startswith("."))
+            files += [file for file in more if is_file(file)]
+    if len(files) > MOST_FILES:
+        raise PatchError(f"{path.parent}: {len(files)} files; a patch has at most {MOST_FILES}")
+    size = 0
+    for file in files:
+        with contextlib.suppress(OSError):
+            size += file.stat().st_size
+    if size > MOST_BYTES:
+        raise PatchError(f"{path.parent}: {size} bytes in {len(files)} files; a patch has at most {MOST_BYTES}")
+    return files
+
+
+def parse_patch(text: str, file: str) -> Patch:
+    """The patch written in `text`; `file` is named in errors."""
+    try:
+        return parse_model(text, file, Patch, "patch")
+    except PersonError as error:
+        raise PatchError(error.message, error.remedy, error.place) from None

@@ -1,0 +1,114 @@
+"""Foresight: of every next node how many measures of what is wanted would go wrong, kept for what comes again.
+
+AgentsAhead: where the agents of a show will be when the next measure ends, looked ahead a few steps at a time.
+"""
+
+from collections import OrderedDict
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.agents.crowd.agent_state import AgentState
+from live.agents.entrances.entrances import ON, Entrances
+from live.agents.prediction import LookAhead
+from live.graph.motion_graph import MotionGraph
+from live.graph.search.live_sequence import LiveSequence
+from live.graph.search.sequence import edges_of
+from live.graph.search.sequence_spec import Wanted
+from live.show.group.elements import Elements
+from live.show.group.evolutions import Evolutions
+from live.show.group.stage_area import Floor
+from live.show.measure_span import MeasureSpan
+
+Float64 = npt.NDArray[np.float64]
+
+KEPT: Final = 64
+"""Answers kept: a sequence that is danced again and again asks the same questions."""
+NOW: Final = 0.25
+"""A wrong measure at once counts this much more than a later one."""
+IMPOSSIBLE: Final = 1000.0
+
+
+class Foresight:
+    """Answers for all dancers of all groups over one graph; a group's dancers share an answer."""
+
+    def __init__(self, graph: MotionGraph) -> None:
+        self._graph, self._edges = graph, edges_of(graph)
+        self._kept: OrderedDict[tuple[tuple[Wanted, ...], int], Float64] = OrderedDict()
+        self._steps: dict[int, Float64] = {}
+
+    def sequence(self, wanted: tuple[Wanted, ...], into: int) -> Float64:
+        """Wrong measures within the horizon if a node is danced next, (N,): `wanted` is what comes, `into` of whose
+        first entry's measures are over (the layered search of T063-T065 over eight measures)."""
+        key = (wanted, into)
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        live = LiveSequence(self._graph, wanted, edges=self._edges)
+        for _ in range(into):
+            live.advance()
+        answer = np.minimum(live.ahead(), IMPOSSIBLE)
+        first, library = wanted[0], self._graph.library
+        if first.step is not None:
+            right = (library.node_step == first.step) & (library.node_measure == into)
+            answer = answer + NOW * ~right
+        self._kept[key] = answer
+        if len(self._kept) > KEPT:
+            self._kept.popitem(last=False)
+        return answer
+
+    def step(self, step: int) -> Float64:
+        """The same where only one step counts, as soon as it can be reached: measures away from it, (N,)."""
+        if step not in self._steps:
+            away = self._graph.library.node_step != step
+            self._steps[step] = np.where(away, 1.0 + np.minimum(self._graph.hops[step], IMPOSSIBLE), 0.0)
+        return self._steps[step]
+
+
+Bool = npt.NDArray[np.bool_]
+
+TAKEN: Final = 0.5
+"""An element whose influence has come this far takes a dancer out of her evolution for good."""
+
+
+class AgentsAhead:
+    """Call `begin`, `work` until all is done, and `ends`."""
+
+    def __init__(
+        self, look: LookAhead, evolutions: Evolutions, elements: Elements, entrances: Entrances, floor: Floor,
+        count: int, beats: int,
+    ) -> None:  # fmt: skip
+        """`look` runs the copy of `count` agents; `beats` of a danced measure."""
+        self._look, self._evolutions, self._elements = look, evolutions, elements
+        self._entrances, self._floor = entrances, floor
+        self._count, self._beats = count, beats
+        self._late: Float64 = np.zeros(count)
+
+    def begin(self, state: AgentState, time: float, seconds: float, late: Float64, tempo: float) -> None:
+        """Begin to look `seconds` [s] ahead of `time` [s] at `tempo` [bpm], for dancers who are `late` (A,) [beats] on
+        purpose."""
+        self._late = late
+        self._look.begin(state, time=time, seconds=[seconds + beats * 60.0 / tempo for beats in np.unique(late)])
+
+    def work(self, steps: int) -> None:
+        """Do at most so many coarse steps of looking ahead."""
+        self._look.work(steps)
+
+    def ends(self, span: MeasureSpan | None) -> tuple[Float64, Bool, Float64]:
+        """Where everybody will be when the measure after `span` ends, (A, 2) [m]; who is in an evolution then, (A,),
+        and with which heading, (A,) [rad]. Measures of those who are late end later."""
+        place, heading = np.zeros((self._count, 2)), np.zeros(self._count)
+        held = np.zeros(self._count, np.bool_)
+        for beats, position in zip(np.unique(self._late), self._look.positions, strict=True):
+            rows = self._late == beats
+            place[rows] = position[rows]
+            if span is None:
+                continue
+            known, planned, facing = self._evolutions.target((span.number + 2) * self._beats + beats)
+            rows &= known & (self._elements.influence < TAKEN) & ~self._entrances.passing
+            place[rows], heading[rows], held[rows] = planned[rows], facing[rows], True
+        if self._floor.fitting is not None:  # plans may have been made for a larger stage
+            on = self._entrances.state == ON
+            place[on] = np.clip(place[on], -self._floor.half, self._floor.half)
+        return place, held, heading

@@ -1,0 +1,91 @@
+"""OnClick: the players' click runs with a show, and is switched by its events.
+
+OnLink: what a Link session is told of a running show, and what the show tells of the session.
+"""
+
+import math
+from typing import Any
+
+from live.control.audio.click_output import ClickOutput
+from live.control.audio.devices import device_refuses
+from live.control.events.events import ControlEvent, One, SetClick
+from live.control.link.link_session import LinkSession
+from live.show.show import Show
+
+
+class OnClick:
+    """Between the show and its click. Thread: the one that runs the show."""
+
+    def __init__(self, show: Show, output: ClickOutput) -> None:
+        self._show = show
+        self.output = output
+
+    def start(self) -> None:
+        """Open the output; PersonError if it refuses."""
+        try:
+            self.output.start()
+        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            raise device_refuses(error, "--click", self.output.device.name) from None
+
+    def stop(self) -> None:
+        """Close it."""
+        self.output.stop()
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        return self.output.facts()
+
+    def frame(self) -> None:
+        """After each frame: how the show runs, and what is counted down to."""
+        show = self._show
+        left = show.follower.counting_in
+        one = math.floor(show.timeline.beat_at(show.time) + left) if left else -math.inf
+        self.output.show(show.timeline, one)
+
+    def heard(self, event: ControlEvent) -> None:
+        """An event of the show."""
+        if isinstance(event, SetClick):
+            self.output.track.on = event.on
+
+
+class OnLink:
+    """Between the show and its session. Thread: the one that runs the show."""
+
+    def __init__(self, show: Show, session: LinkSession) -> None:
+        self._show = show
+        self._session = session
+        self._hand = show.follower.hand_tempo[0]
+
+    def start(self) -> None:
+        """Join the session."""
+        self._session.start()
+
+    def stop(self) -> None:
+        """Leave it."""
+        self._session.stop()
+
+    def frame(self) -> None:
+        """After each frame: how the show runs, and a tempo set by hand while the session is what is followed."""
+        follower = self._show.follower
+        self._session.show(self._show.timeline, follower.tempo)
+        count, tempo = follower.hand_tempo
+        if count != self._hand:
+            self._hand = count
+            if follower.source == "link":
+                self._session.set_tempo(tempo)
+
+    def heard(self, event: ControlEvent) -> None:
+        """An event of the show: whoever leads and says where the one is moves everybody to it."""
+        if isinstance(event, One) and self._session.mode == "lead":
+            self._session.resync()
+
+    def status(self) -> dict[str, Any]:
+        """For the status line."""
+        reading = self._session.reading
+        return {
+            "mode": self._session.mode,
+            "peers": self._session.peers,
+            "bpm": None if reading is None else round(reading.tempo * reading.fold, 2),
+            "faults": self._session.faults,
+            "fault": self._session.fault,
+        }

@@ -1,0 +1,217 @@
+"""What a film of a show is heard with: its music, a click track, and the taps of its dancers' shoes (T130).
+
+The sounds of a tap shoe and of a click track, made from nothing but numbers (T130).
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import StageView
+from live.render.film.streams import FilmSound
+from live.show.dancers.footfalls import Footfall, Footfalls
+from live.show.show import Show
+
+Float64 = npt.NDArray[np.float64]
+Float32 = npt.NDArray[np.float32]
+
+TAP_SECONDS: Final = 0.12
+CLICK_SECONDS: Final = 0.035
+ACCENT_HZ: Final = 1760.0
+BEAT_HZ: Final = 1175.0
+VARIANTS: Final = 6
+"""Shoes that sound a little different, so that a line of dancers is no machine gun."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Plate:
+    """What rings when a part of the shoe strikes: metal (frequency [Hz], decay [s], level), and the wooden floor."""
+
+    metal: tuple[tuple[float, float, float], ...]
+    wood: tuple[tuple[float, float, float], ...]
+    noise: float
+    """Level of the first contact's rustle."""
+
+
+_BALL: Final = _Plate(
+    metal=((2350.0, 0.012, 0.9), (3720.0, 0.008, 0.7), (5480.0, 0.005, 0.5)),
+    wood=((310.0, 0.016, 0.45), (520.0, 0.010, 0.35)),
+    noise=0.9,
+)
+_HEEL: Final = _Plate(
+    metal=((1480.0, 0.016, 0.8), (2610.0, 0.010, 0.6), (4300.0, 0.005, 0.3)),
+    wood=((165.0, 0.030, 0.9), (270.0, 0.020, 0.6)),
+    noise=0.6,
+)
+
+
+def tap_voices(seed: int, rate: int) -> list[list[Float32]]:
+    """Sounds of `TAP_SECONDS` at `rate` [Hz] with peak 1, in VARIANTS: lists for ball, heel and flat foot.
+
+    The same seed gives the same shoes.
+    """
+    chance = np.random.default_rng([seed, 0x7A9])
+    ball = [_strike(_BALL, chance, rate) for _ in range(VARIANTS)]
+    heel = [_strike(_HEEL, chance, rate) for _ in range(VARIANTS)]
+    late = max(1, round(0.002 * rate))  # heel and ball of a flat foot are never quite together
+    flat = [_loudest(h + 0.8 * np.concatenate((np.zeros(late), b[:-late]))) for b, h in zip(ball, heel, strict=True)]
+    return [[voice.astype(np.float32) for voice in voices] for voices in (ball, heel, flat)]
+
+
+def click_voices(rate: int) -> tuple[Float32, Float32]:
+    """The click of a measure's first beat, and that of all others, at `rate` [Hz] with peak 1."""
+    return _click(ACCENT_HZ, rate), _click(BEAT_HZ, rate)
+
+
+def _strike(plate: _Plate, chance: np.random.Generator, rate: int) -> Float64:
+    time = np.arange(round(TAP_SECONDS * rate)) / rate
+    detune = 1.0 + 0.05 * chance.uniform(-1.0, 1.0)
+    sound = plate.noise * np.diff(chance.standard_normal(len(time) + 1)) * np.exp(-time / 0.0015)
+    for ring, spread in ((plate.metal, 0.03), (plate.wood, 0.06)):
+        for frequency, decay, level in ring:
+            hertz = frequency * detune * (1.0 + spread * chance.uniform(-1.0, 1.0))
+            if hertz < 0.45 * rate:
+                sound += level * np.sin(2.0 * math.pi * hertz * time) * np.exp(-time / decay)
+    return _loudest(sound * _fade_out(len(time)))
+
+
+def _click(hertz: float, rate: int) -> Float32:
+    time = np.arange(round(CLICK_SECONDS * rate)) / rate
+    sound = np.sin(2.0 * math.pi * hertz * time) * np.exp(-time / 0.007)
+    return _loudest(sound * _fade_out(len(time))).astype(np.float32)
+
+
+def _fade_out(count: int) -> Float64:
+    return np.asarray(np.minimum(1.0, 8.0 * np.arange(count, 0, -1) / count))
+
+
+def _loudest(sound: Float64) -> Float64:
+    return np.asarray(sound / max(float(np.abs(sound).max()), 1e-9))
+
+
+RATE: Final = 48000
+"""Samples per second where no music says otherwise."""
+MAX_VOICES: Final = 64
+"""Taps that sound at once at most; those that come when all are taken are left out."""
+CLICK_LEVEL: Final = 0.22
+TAP_LEVEL: Final = 0.55
+MUSIC_LEVEL: Final = 0.8
+"""Level of the music beside click or taps; alone it is not touched."""
+WIDTH: Final = 0.8
+"""How far to the side a dancer at the edge of the stage is heard, 0 to 1."""
+EARLIEST: Final = 0.5
+"""Clicks and taps from before a film's first moment are not heard; later ones are at most this late [s]."""
+
+
+class ShowSound:
+    """Mixes a film's sound as the show goes on: `frame` after each frame, `film` to be read by the encoder.
+
+    A show of many dancers is louder than one dancer, but by far not as many times as there are dancers; who is farther
+    from the camera is softer. Thread: `frame` on the main thread, reading on the encoder's.
+    """
+
+    def __init__(self, show: Show, music: FilmSound | None, *, click: bool, taps: bool, begin: float = 0.0) -> None:
+        """`music` from the show's first moment; the film begins at `begin` [s]."""
+        self._show = show
+        self._music = music
+        self.rate = RATE if music is None else music.rate
+        self._click = click_voices(self.rate) if click else None
+        self._taps = tap_voices(show.seed, self.rate) if taps else None
+        self._falls = Footfalls(show) if taps else None
+        camera = show.patch.camera
+        self._eye = camera.eye
+        self._usual = math.dist(camera.eye, camera.target)
+        self._share = TAP_LEVEL / len(show.group) ** 0.6
+        self._sounding: deque[float] = deque()
+        self.left_out = 0
+        """Taps for which no voice was left."""
+        self._made = round(begin * self.rate)
+        self._ahead: Float32 = np.zeros((0, 2), np.float32)
+        self._ahead_taps: Float32 = np.zeros((0, 2), np.float32)
+        self._blocks: deque[Float32] = deque()
+        self._beat: float | None = None
+
+    @property
+    def film(self) -> FilmSound:
+        """What the film's encoder reads: two channels, as far as they are mixed."""
+        return FilmSound(self.rate, 2, self._read)
+
+    def frame(self, view: StageView) -> None:
+        """Mix the sound up to the moment of this frame, which was just filled."""
+        if self._click is not None:
+            self._add_clicks(view)
+        if self._falls is not None:
+            for fall in self._falls.frame(view):
+                self._add_tap(fall)
+        self._finish(max(0, math.floor(view.time * self.rate) - self._made))
+
+    def _add_clicks(self, view: StageView) -> None:
+        assert self._click is not None
+        timeline = self._show.timeline
+        first = timeline.beat_at(self._made / self.rate) - 1e-6 if self._beat is None else self._beat
+        for beat in range(math.floor(first) + 1, math.floor(view.beat + 1e-9) + 1):
+            place = (beat - timeline.measure_origin) % timeline.beats_per_measure
+            accent = min(place, timeline.beats_per_measure - place) < 1e-3
+            voice = self._click[0 if accent else 1]
+            self._ahead = self._add(self._ahead, timeline.time_at(beat), voice, (CLICK_LEVEL, CLICK_LEVEL))
+        self._beat = max(first, view.beat + 1e-9)
+
+    def _add_tap(self, fall: Footfall) -> None:
+        assert self._taps is not None
+        voices = self._taps[fall.part]
+        voice = voices[(2 * fall.dancer + fall.foot) % VARIANTS]
+        while self._sounding and self._sounding[0] <= fall.time:
+            self._sounding.popleft()
+        if len(self._sounding) >= MAX_VOICES:
+            self.left_out += 1
+            return
+        self._sounding.append(fall.time + len(voice) / self.rate)
+        x, z = fall.place
+        near = self._usual / max(math.dist(self._eye, (x, 0.0, z)), 0.3 * self._usual)
+        level = self._share * fall.strength * min(near, 2.0)
+        side = WIDTH * min(max(2.0 * x / self._show.patch.stage.width, -1.0), 1.0)
+        turn = 0.25 * math.pi * (1.0 + side)
+        gains = (math.sqrt(2.0) * level * math.cos(turn), math.sqrt(2.0) * level * math.sin(turn))
+        self._ahead_taps = self._add(self._ahead_taps, fall.time, voice, gains)
+
+    def _add(self, ahead: Float32, time: float, voice: Float32, gains: tuple[float, float]) -> Float32:
+        """The samples that are still to come with a voice from `time` [s] on; what is too late begins at once."""
+        begin = round(time * self.rate) - self._made
+        if begin < -EARLIEST * self.rate or time < 0.0:
+            return ahead
+        begin = max(begin, 0)
+        if begin + len(voice) > len(ahead):
+            ahead = np.concatenate((ahead, np.zeros((begin + len(voice) - len(ahead), 2), np.float32)))
+        ahead[begin : begin + len(voice)] += voice[:, None] * np.array(gains, np.float32)
+        return ahead
+
+    def _finish(self, count: int) -> None:
+        """Hand out the next `count` samples."""
+        block = _first(self._ahead, count) + np.tanh(_first(self._ahead_taps, count))
+        self._ahead, self._ahead_taps = self._ahead[count:], self._ahead_taps[count:]
+        if self._music is not None and count:
+            heard = self._music.read(self._made, count)
+            block[: len(heard)] += MUSIC_LEVEL * heard  # one channel is heard on both sides
+        self._made += count
+        self._blocks.append(block)
+
+    def _read(self, first: int, count: int) -> Float32:
+        pieces: list[Float32] = []
+        while count > 0 and self._blocks:
+            block = self._blocks.popleft()
+            if len(block) > count:
+                self._blocks.appendleft(block[count:])
+            pieces.append(block[:count])
+            count -= len(pieces[-1])
+        return np.concatenate(pieces) if pieces else np.zeros((0, 2), np.float32)
+
+
+def _first(ahead: Float32, count: int) -> Float32:
+    """The first `count` rows, filled up with silence."""
+    rows = np.zeros((count, 2), np.float32)
+    rows[: len(ahead)] = ahead[:count]
+    return rows

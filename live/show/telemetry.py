@@ -1,0 +1,276 @@
+"""Outgoing: what of a running show others are told as it happens: Timeline, measures, steps, feet, places.
+
+Readable: what everything in a running show that has a present value is now, by the address that sets or shows it.
+"""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.stage_snapshot import StageView
+from live.clock.timeline import Timeline
+from live.control.events.events import NotesHeard
+from live.control.registry.control import Plain
+from live.control.registry.motion_controls import MOTION_PARAMETERS
+from live.control.registry.registry import STATUS, Rows
+from live.show.capture.capture_manager import SAID
+from live.show.dancers.footfalls import Footfalls
+from live.show.desk.parameter_table import Parameter, addresses
+from live.show.partner.partner_pairs import Asked
+from live.show.show import Show
+from live.show.status import Status
+
+NEWS_AT_ONCE: Final = 64
+"""Steps and feet of one frame that are told; a whole company that begins a step at once is told in the next frames."""
+CLOSE: Final = 1e-6
+"""Beats by which Timelines may differ and still say the same."""
+ROWS_AT_ONCE: Final = 1000
+_SIDES: Final = ("left", "right")
+
+Told = tuple[str, Any]
+
+
+class Outgoing:
+    """Looks at one show after each frame and changes nothing. Thread: the show's."""
+
+    def __init__(self, show: Show, *, positions: float = 10.0, feet: bool = True) -> None:
+        """`positions`: how many times a second places are told, 0 for never."""
+        self._show, self._positions = show, positions
+        self._feet = Footfalls(show) if feet else None
+        self._timeline: Timeline | None = None
+        self._measure = (-1, 0.0)
+        self._step: npt.NDArray[np.int32] = np.full(len(show.group), -1, np.int32)
+        self._names: tuple[str, ...] = ()
+        self._waiting: list[tuple[str, tuple[Any, ...]]] = []
+        self._time = -1.0
+        self._due = 0.0
+        self._units = 0
+        self.left_out = 0
+        """Feet and steps that were too many to be told."""
+
+    def anew(self) -> None:
+        """Somebody else listens now, and knows nothing."""
+        self._timeline = None
+        self._measure = (-1, 0.0)
+
+    def frame(self, view: StageView) -> list[Told]:
+        """What there is to tell after the frame for which `view` was filled."""
+        show = self._show
+        told: list[Told] = []
+        measure = (show.span.number, show.span.end)
+        if measure != self._measure:
+            self._measure = measure
+            told.append(("measure", measure))
+        timeline = show.timeline
+        if self._timeline is None or not _alike(timeline, self._timeline, show.time):
+            self._timeline = timeline
+            told.append(("timeline", (timeline.tempo, timeline.beat_origin, timeline.time_origin,
+                                      timeline.beats_per_measure, timeline.measure_origin)))  # fmt: skip
+        self._note_steps(view)
+        self._note_units()
+        if self._feet is not None and view.filled and view.time > self._time:
+            for fall in self._feet.frame(view):
+                values = (fall.dancer + 1, _SIDES[fall.foot], *fall.place, fall.strength, fall.part)
+                self._waiting.append(("foot", values))
+        self._time = view.time
+        if self._waiting:
+            told.append(("news", self._waiting[:NEWS_AT_ONCE]))
+            rest = self._waiting[NEWS_AT_ONCE:]
+            self.left_out += max(len(rest) - ROWS_AT_ONCE, 0)
+            self._waiting = rest[:ROWS_AT_ONCE]
+        if self._positions and view.time >= self._due:
+            self._due = view.time + 1.0 / self._positions
+            told.append(("positions", places(view)))
+        return told
+
+    def _note_units(self) -> None:
+        """What who answers a leader dances."""
+        answering = self._show.dancers.answering
+        if answering is None or answering.leaders.told == self._units:
+            return
+        for number, partner, label in answering.leaders.news:
+            if number > self._units:
+                self._waiting.append(("unit", (partner, label, label.rpartition("/")[0])))
+        self._units = answering.leaders.told
+
+    def _note_steps(self, view: StageView) -> None:
+        """Who begins another step."""
+        library = self._show.graph.library
+        step = library.node_step[self._show.dancers.node]
+        if library.steps != self._names:
+            self._names = library.steps
+        begun = np.flatnonzero((step != self._step) & view.present)
+        if not len(begun):
+            return
+        self._step[begun] = step[begun]
+        for dancer in begun.tolist():
+            values = (dancer + 1, self._names[step[dancer]], self._show.patch.group[self._show.group[dancer]].name)
+            self._waiting.append(("step", values))
+
+
+def _alike(one: Timeline, other: Timeline, time: float) -> bool:
+    """Whether two Timelines say the same from `time` [s] on, for whoever hears their beats."""
+    same_lines = one.beats_per_measure == other.beats_per_measure and one.measure_origin == other.measure_origin
+    return same_lines and one.tempo == other.tempo and abs(one.beat_at(time) - other.beat_at(time)) < CLOSE
+
+
+def places(view: StageView) -> bytes:
+    """Rows (number from 1, x, z [m], heading [rad]) of the dancers on the stage, as float32."""
+    there = np.flatnonzero(view.present)[:ROWS_AT_ONCE]
+    w, x, y, z = view.joint_rotation[there, 0].T
+    hips = view.joint_position[there, 0]
+    heading = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
+    return np.column_stack((there + 1, hips[:, 0], hips[:, 2], heading)).astype(np.float32).tobytes()
+
+
+FINEST: Final = 6
+"""Digits of a number that count: more say nothing to a person, and would make every value another one."""
+_SWITCHES: Final = frozenset(address for address, (_, known) in MOTION_PARAMETERS.items() if known.type == "bool")
+FIGURES_EVERY: Final = 16
+"""Percentiles of frames are taken anew at every so many looks."""
+
+
+class Readable:
+    """Looks at one show and changes nothing. Thread: the show's."""
+
+    def __init__(self, show: Show, status: Status) -> None:
+        self._show, self._status = show, status
+        self.more: dict[str, Callable[[], Plain | None]] = {}
+        """What other parts know, by address; None: it has no value now."""
+        table = show.desk.parameters.table
+        self._found: list[tuple[str, list[Parameter]]] = [(address, table.find(address)) for address in addresses()]
+        self._row: npt.NDArray[np.float64] = np.zeros(0)
+        self._names: tuple[str, ...] = ()
+        self._rows: dict[str, Rows] = {}
+        self._looks = 0
+        self._frame_ms = 0.0
+
+    def changes(self) -> dict[str, Rows]:
+        """What has another value than at the last look; at the first look all."""
+        found = self._parameters()
+        for address, values in self._singles().items():
+            found[address] = (("", values),)
+        found |= self._partners() | self._mocap()
+        new = {address: rows for address, rows in found.items() if self._rows.get(address) != rows}
+        self._rows.update(new)
+        return new
+
+    def _parameters(self) -> dict[str, Rows]:
+        """The parameters of which a number has changed."""
+        parameters = self._show.desk.parameters
+        row, names = parameters.present(), parameters.table.names
+        if len(row) == len(self._row) and names == self._names:
+            moved = set(np.flatnonzero(row != self._row).tolist())
+            if not moved:
+                return {}
+        else:
+            moved = set(range(len(row)))
+        self._row, self._names = row, names
+        found: dict[str, Rows] = {}
+        for address, those in self._found:
+            if any(place in moved for one in those for place in one.numbers):
+                found[address] = self._of(those)
+        return found
+
+    def _of(self, those: list[Parameter]) -> Rows:
+        """One value where all groups have the same, else that of each."""
+        as_said: Callable[[float], Plain] = bool if those[0].address in _SWITCHES else _plain
+        values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
+        if all(value == values[0] for value in values):
+            return (("", values[0]),)
+        return tuple((self._names[one.group], value) for one, value in zip(those, values, strict=True))
+
+    def _partners(self) -> dict[str, Rows]:
+        """What is asked of those who answer a leader; nothing where there are none."""
+        answering = self._show.dancers.answering
+        asked = [] if answering is None else answering.asked
+        keys: dict[str, Callable[[Asked], Plain]] = {
+            "on": lambda one: one.on, "amount": lambda one: _plain(one.amount),
+            "stretch": lambda one: _plain(one.window), "hands": lambda one: _plain(one.hands),
+        }  # fmt: skip
+        nobody: dict[str, Plain] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0}
+        return {
+            f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
+            for key, tell in keys.items()
+        }
+
+    def _mocap(self) -> dict[str, Rows]:
+        """What is said of captured performers; nothing where there are none."""
+        said = {name: captured.said for name, captured in self._show.mocap.performers.items()}
+        return {
+            f"/dance/mocap/{what}": tuple((name, tuple(map(_as_told, now[what]))) for name, now in said.items())
+            for what in (SAID if said else ())
+        }
+
+    def _singles(self) -> dict[str, tuple[Plain, ...]]:
+        """What is of the whole show."""
+        show, status = self._show, self._status
+        follower, desk, prompter = show.follower, show.desk, show.prompter
+        width, depth = (2.0 * show.motion.floor.half).tolist()
+        beats = show.timeline.beats_per_measure
+        count_in = desk.cues.count_in(show.danced)
+        playhead = prompter.playhead
+        place = playhead.place(playhead.measure)
+        if self._looks % FIGURES_EVERY == 0:
+            (self._frame_ms,) = status.frame_times.percentiles(99)
+        self._looks += 1
+        standby = desk.cues.standby_name
+        singles: dict[str, Any] = {
+            "/dance/clock/tempo": _plain(follower.tempo),
+            "/dance/clock/hold": follower.held,
+            "/dance/clock/metre": float(beats),
+            "/dance/clock/source": follower.choice,
+            "/dance/blackout": show.blackout,
+            "/dance/hold": desk.held,
+            "/dance/hold/score": playhead.held,
+            "/dance/audience/open": show.audience.open,
+            "/dance/audience/gain": _plain(show.audience.gain),
+            "/dance/audience/mute": show.audience.muted,
+            "/dance/audience/shake": show.audience.shaking,
+            "/dance/output/fade": _plain(desk.master.level),
+            "/dance/output/freeze": desk.master.frozen,
+            "/dance/output/flashes": desk.master.flashes,
+            STATUS + "measure": show.span.number + 1,
+            STATUS + "beat": min(int(show.span.fraction(show.timeline.beat_at(show.time)) * beats) + 1, beats),
+            STATUS + "bpm": round(follower.tempo, 2),
+            STATUS + "source": follower.source,
+            STATUS + "clock": str(follower.state),
+            STATUS + "dancers": int(np.count_nonzero(show.motion.present)),
+            STATUS + "phones": show.audience.phones,
+            STATUS + "section": playhead.section_name(place),
+            STATUS + "cue": standby,
+            STATUS + "count_in": 0.0 if count_in is None else round(min(max(count_in[0], 0.0), 1e6), 1),
+            **_notes(prompter.mood.notes),
+            STATUS + "fading": desk.parameters.fading,
+            STATUS + "frame_ms": self._frame_ms,
+            STATUS + "late_frames": status.late_frames,
+            STATUS + "accepted": status.events_accepted,
+            STATUS + "refused": status.refused(),
+        }
+        told: dict[str, tuple[Plain, ...]] = {address: (value,) for address, value in singles.items()}
+        told["/dance/stage"] = (_plain(width), _plain(depth))
+        for address, tell in self.more.items():
+            value = tell()
+            if value is not None:
+                told[address] = (value,)
+        return told
+
+
+def _notes(played: NotesHeard | None) -> dict[str, Any]:
+    """What is played over MIDI."""
+    return {
+        STATUS + "note_energy": 0.0 if played is None else round(played.energy, 3),
+        STATUS + "note_density": 0.0 if played is None else round(played.density, 3),
+        STATUS + "notes": 0 if played is None else played.chord,
+        STATUS + "pitch": 0.5 if played is None else round(played.pitch, 3),
+    }
+
+
+def _as_told(value: Plain) -> Plain:
+    return _plain(value) if type(value) is float else value
+
+
+def _plain(value: float) -> float:
+    return float(f"{value:.{FINEST}g}")

@@ -1,0 +1,178 @@
+"""RelaySink: the journal goes to the supervisor, line by line, before what it tells of acts; else to its file."""
+
+import base64
+import json
+import queue
+import threading
+from collections import deque
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, Unwritten, Written, with_gap
+from live.supervisor.recovery_log import Sealed
+from live.supervisor.supervisor_link import Lifeline
+
+if TYPE_CHECKING:
+    from live.show.state.snapshot import Taken
+
+
+MOST: Final = 65536
+"""Lines that are kept until they are said to be on the disk; then the oldest are given up."""
+
+
+class RelaySink:
+    """A `JournalSink`: each line is in another process' hands when `put` comes back.
+
+    Lines are kept until the supervisor says that they are written: if it dies, the journal goes on in its file, by a
+    thread of this process, and nothing is lost; a supervisor that adopts this engine goes on with it. Snapshots are
+    sealed by a thread and sent with the next `flush`. Thread: the show's.
+    """
+
+    def __init__(self, lifeline: Lifeline, path: Path | None = None) -> None:
+        """`path`: where the supervisor writes the journal; None: nowhere."""
+        self._lifeline, self._wire, self._path = lifeline, lifeline.wire, path
+        self._lines = self._snapshots = self._lost = self._missing = self._given_up = 0
+        self._unwritten: deque[tuple[int, str]] = deque()
+        self._file: JournalFile | None = None
+        self._ends: JournalFile | None = None
+        self._adoption = False  # of which the supervisor waits for the word that this process writes no more
+        self._number = 0
+        self._taken: queue.Queue[Taken | None] = queue.Queue(2)
+        self._sealed: deque[tuple[str, bytes]] = deque(maxlen=4)
+        self._thread = threading.Thread(target=self._seal, name="snapshots", daemon=True)
+        self._thread.start()
+        lifeline.on_adopted = self._adopted
+
+    def put(self, line: str) -> None:
+        """Send one line, without its end."""
+        self._lines += 1
+        self._lifeline.log.note(line)
+        if self._wire.ended:
+            self._write(line)
+            return
+        before = self._wire.dropped
+        text = with_gap(line, self._missing) if self._missing else line
+        self._wire.put(text)
+        if self._wire.dropped != before:
+            self._missing += 1
+            return
+        self._missing = 0
+        self._keep(self._wire.taken, text)
+
+    def snapshot(self, taken: "Taken") -> None:
+        """Have a snapshot sealed; one that comes too soon after others is left out."""
+        try:
+            self._taken.put_nowait(taken)
+        except queue.Full:
+            self._lost += 1
+
+    def flush(self) -> None:
+        """Once a frame: send the snapshots that are sealed by now, and forget what is written."""
+        if self._wire.ended:
+            self._begin_file()
+        elif self._adoption and (self._ends is None or self._ends.end()):
+            self._adoption, self._ends = False, None
+            self._wire.tell(alive="journal")
+        self._forget()
+        while self._sealed:
+            line, data = self._sealed.popleft()
+            self._lifeline.log.note(line)
+            if self._file is not None:
+                self._file.snapshot(Sealed(data))
+            elif not self._wire.ended:
+                self._wire.put(line)
+            self._snapshots += 1
+
+    def facts(self) -> dict[str, int]:
+        """For the status; what becomes of the lines on disk the supervisor knows, if there is one."""
+        facts = {
+            "lines": self._lines,
+            "dropped": self._wire.dropped,
+            "behind": self._wire.behind,
+            "missing": self._missing,
+            "snapshots": self._snapshots,
+            "snapshots_dropped": self._lost,
+        }
+        if self._file is None:
+            return facts
+        there = self._file.facts()
+        return facts | {
+            "dropped": facts["dropped"] + there["dropped"] + self._given_up,
+            "behind": there["behind"],
+            "missing": there["missing"],
+        }
+
+    def close(self) -> None:
+        """Send what waits."""
+        self._taken.put(None)
+        self._thread.join(1.0)
+        self.flush()
+        for file in (self._file, self._ends):
+            if file is not None:
+                file.close()
+        self._wire.flush()
+
+    # -- what the supervisor has not written yet ------------------------------------------------------------------
+
+    def _keep(self, number: int, line: str) -> None:
+        if self._path is None:
+            return
+        if len(self._unwritten) >= MOST:
+            self._unwritten.popleft()
+            self._given_up += 1
+        self._unwritten.append((number, line))
+
+    def _forget(self) -> None:
+        """What is written is kept no more."""
+        if self._file is not None and (there := self._file.written) is not None:
+            self._lifeline.written, self._lifeline.snapshots_kept = there
+        done = self._lifeline.written
+        while done is not None and self._unwritten and self._unwritten[0][0] <= done.number:
+            self._unwritten.popleft()
+
+    # -- without a supervisor ------------------------------------------------------------------------------------
+
+    def _begin_file(self) -> None:
+        """Go on with the journal where the supervisor ended, whatever of it had come to the disk."""
+        if self._file is not None or self._path is None:
+            return
+        if self._ends is not None and not self._ends.end():
+            return  # the next frame, or the next line, looks again
+        self._ends = None
+        beside = self._path.with_name(self._path.name + SNAPSHOTS)
+        kept = self._lifeline.snapshots_kept
+        self._file = JournalFile(self._path, beside, unwritten=self._rest(), kept=kept)
+
+    def _rest(self) -> Unwritten:
+        self._forget()  # what was said last counts
+        return Unwritten(self._lifeline.log.header, self._lifeline.written or Written(), list(self._unwritten))
+
+    def _write(self, line: str) -> None:
+        self._number = max(self._number, self._wire.taken) + 1
+        self._keep(self._number, line)
+        if self._file is not None:
+            self._file.put(line, self._number)
+        else:
+            self._begin_file()
+
+    def _adopted(self) -> Unwritten:
+        """Another supervisor is there: the lines that it is to see to, of which some may be on the disk by the time at
+        which it is told that this process has ended its writing."""
+        rest = self._rest()
+        self._adoption = True
+        self._ends, self._file = self._file or self._ends, None
+        self._unwritten = deque((0, line) for _, line in self._unwritten)
+        self._lifeline.written = replace(rest.written, number=-1)
+        return rest
+
+    def _seal(self) -> None:
+        while (taken := self._taken.get()) is not None:
+            try:
+                data = taken.seal()
+            except Exception:  # one snapshot less
+                self._lost += 1
+                continue
+            text = base64.b64encode(data).decode()
+            line = json.dumps({"tick": taken.tick, "snapshot": text}, separators=(",", ":"))
+            self._sealed.append((line, data))
