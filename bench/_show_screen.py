@@ -20,8 +20,8 @@ import psutil
 
 from bench._show_alive import AFTER, alive, engines, playing, until
 from live.cli.bench import Row
-from tests import two_monitor_x
-from tests.screen_eye import Eye
+from tests.fixtures import two_monitor_x
+from tests.fixtures.screen_eye import Eye
 
 STAGE: Final = (160, 100, 320, 200)
 """The middle of the first monitor: x, y, width, height [pixels]."""

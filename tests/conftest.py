@@ -95,7 +95,7 @@ def facts_remembered() -> Iterator[None]:
     if "live.graph.motion_graph" not in sys.modules:
         yield
         return
-    from tests.remembered import facts_remembered
+    from tests.fixtures.remembered import facts_remembered
 
     with facts_remembered():
         yield

@@ -73,6 +73,24 @@ def test_every_package_has_its_place() -> None:
     assert without == []
 
 
+def _rooms() -> list[Path]:
+    """All folders of live/ and tests/ with something in them that git would know."""
+    folders = [path for part in ("live", "tests") for path in (ROOT / part, *(ROOT / part).rglob("*")) if path.is_dir()]
+    return [path for path in folders if "__pycache__" not in path.parts and any(path.glob("*.*"))]
+
+
+def test_rooms_are_small_and_not_deep() -> None:
+    """At most 25 entries, at most three names below live/, and no package of one module."""
+    entries = {
+        path: [each for each in path.iterdir() if each.name not in ("__pycache__", "__init__.py")] for path in _rooms()
+    }
+    assert {_identify(path): len(each) for path, each in entries.items() if len(each) > 25} == {}
+    assert [_identify(path) for path in MODULES if len(path.relative_to(ROOT / "live").parts) > 3] == []
+    assert [
+        _identify(path) for path, each in entries.items() if path.is_relative_to(ROOT / "live") and len(each) < 2
+    ] == []
+
+
 def test_every_module_says_what_it_is() -> None:
     assert MODULES
     assert [_identify(path) for path in MODULES if not ast.get_docstring(_tree(path))] == []

@@ -1,1 +1,4 @@
-"""The group on the floor: agents, what moves them, and one fixed-timestep advance for all."""
+"""Agents are the dancers as points on the floor: what they want, how they are steered, and one fixed tick for all.
+
+It may import `motion`, `clock` and `base`.
+"""

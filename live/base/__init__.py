@@ -1,1 +1,4 @@
-"""What every layer may use: vector and quaternion kernels, hand-over between threads, the drawing snapshot."""
+"""Base holds what every layer may use: errors, queues between threads, array types, the drawing snapshot.
+
+It imports no other layer.
+"""

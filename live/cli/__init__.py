@@ -1,1 +1,4 @@
-"""The command line: the only place that opens windows and devices and wires the layers together."""
+"""The command line: one file for each command, which reads options and calls what does the work.
+
+It may import every layer.
+"""

@@ -1,1 +1,4 @@
-"""Musical time as a value: estimates and taps in, a Timeline out."""
+"""The clock turns what is heard, tapped or received into musical time: tempo, beat, downbeat and phase.
+
+It may import `base`.
+"""

@@ -1,1 +1,4 @@
-"""What comes in from people and machines: OSC, audio, keys; decoded within bounds, handed over as events."""
+"""Control reads what people and machines send, within bounds, and hands it over as events.
+
+It may import `motion`, `clock` and `base`, and knows neither `render` nor the simulation.
+"""

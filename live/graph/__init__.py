@@ -1,1 +1,4 @@
-"""The measure-synchronous motion graph: which step can follow which, and which one is danced next."""
+"""The motion graph says which step can follow which, and chooses the next one at each measure.
+
+It may import `motion`, `clock` and `base`.
+"""

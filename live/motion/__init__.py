@@ -1,1 +1,1 @@
-"""Skeleton, clips and poses: from recordings and sketches to joints in the world."""
+"""Motion holds skeleton, clips and poses, from a recording or a sketch to joints in the world. It may import `base`."""

@@ -1,1 +1,4 @@
-"""Rehearsing without people: a made-up band, made-up players and phones, faults, and long runs that watch the show."""
+"""Rehearsal without people: a made-up band, players and phones, faults, long runs, warnings about scores.
+
+It may import `supervisor` and everything below it.
+"""

@@ -1,1 +1,4 @@
-"""Pictures out: from `live.base.stage_snapshot` to the screen; knows nothing else of the show."""
+"""Render draws the stage snapshot of `base` and knows nothing else of a show.
+
+It may import `motion`, `clock` and `base`.
+"""

@@ -1,1 +1,4 @@
-"""The show: what happens in which measure, the frame loop, the journal and its replay."""
+"""The show: events and ticks in, states and snapshots out; it decides what happens in which measure.
+
+It may import `library` and everything below it.
+"""

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.cli.command import run_live
-from tests.render.test_show_commands import gl_or_skip
+from tests.cli.test_show_commands import gl_or_skip
 
 
 def heard(film):

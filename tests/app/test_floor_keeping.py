@@ -12,7 +12,7 @@ from live.base.stage_snapshot import Camera
 from live.render.camera import pixel_of
 from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue, venue_path
-from tests.show.desk_show import Hands
+from tests.show.desk.desk_show import Hands
 
 AT = 'name = "hall"   # ours\n[projector]\nat = [2.0, 5.0, 12.0]   # with a laser\n'
 

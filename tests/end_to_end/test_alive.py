@@ -22,9 +22,9 @@ from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children, end_all
 from tests.end_to_end.test_window_show import _needs
-from tests.screen_eye import Eye
+from tests.fixtures.screen_eye import Eye
+from tests.fixtures.two_monitor_x import FIRST, TwoMonitorX
 from tests.supervisor.made_machines import free_port, pair_folders
-from tests.two_monitor_x import FIRST, TwoMonitorX
 
 RED = "c00000"
 """What the desktop shows where nothing else is seen."""

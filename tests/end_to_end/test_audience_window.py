@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
+from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 pytestmark = [pytest.mark.x11, pytest.mark.liblo, pytest.mark.long]
 OSC, PHONES = 19023, 19024

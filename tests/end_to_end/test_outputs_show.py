@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.end_to_end.test_window_show import _needs, _osc, _second_monitor, _wait_until
-from tests.two_monitor_x import FIRST, TwoMonitorX
+from tests.fixtures.two_monitor_x import FIRST, TwoMonitorX
 
 VENUE = """# our hall
 name = "hall"

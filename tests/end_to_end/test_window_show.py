@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.end_to_end.conftest import Running
-from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
+from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 
 def _needs(*programs: str) -> None:

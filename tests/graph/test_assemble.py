@@ -12,8 +12,8 @@ from live.graph.takes import NO_TAKE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.variation import Variation, Variety
-from tests.made_steps import made_steps
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.made_steps import made_steps
+from tests.fixtures.steps_of_the_project import project_steps
 
 
 @pytest.fixture(scope="module")

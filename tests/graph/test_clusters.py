@@ -10,7 +10,7 @@ from live.graph.clusters import connectivity, leads, nearest_steps, structural_c
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.graph.transition_rules import may_follow
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from live.graph.search.path_following import Targets
 from live.graph.step_library import build_library
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import at_samples
-from tests.made_steps import made_clip
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.made_steps import made_clip
+from tests.fixtures.steps_of_the_project import project_steps
 
 KEYS = {
     "foot_slide_mean", "foot_slide_p99", "skating_ratio", "join_velocity_ratio", "join_acceleration_ratio",

@@ -7,7 +7,7 @@ import numpy as np
 from live.graph.clusters import followers
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def test_followers_are_those_of_the_graph_with_their_best_cost():

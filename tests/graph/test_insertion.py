@@ -16,7 +16,7 @@ from live.graph.node_features import Moments
 from live.graph.step_library import StepLibrary, build_library
 from live.graph.takes import Takes
 from live.motion.pose.pose_pipeline import ClipStore
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def assert_same(one, other):

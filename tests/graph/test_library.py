@@ -3,7 +3,7 @@
 import pytest
 
 from live.graph.step_library import build_library
-from tests.made_steps import SAMPLES_PER_BEAT, made_steps
+from tests.fixtures.made_steps import SAMPLES_PER_BEAT, made_steps
 
 
 def test_every_measure_is_a_node_with_its_way():

@@ -11,7 +11,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.node_features import body_features, heading_of, moments_of
 from live.graph.select.candidates import turn_vectors
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 LIBRARY = build_library(made_steps())
 MOMENTS = moments_of(LIBRARY)

@@ -12,7 +12,7 @@ from live.graph.build.metric import Metric
 from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
-from tests.remembered import remembered
+from tests.fixtures.made_steps import made_clip, made_steps
+from tests.fixtures.remembered import remembered
 
 WINDOW = 0.1875
 

@@ -8,7 +8,7 @@ from live.graph.step_library import build_library, joined_library
 from live.graph.storage_kernels import one_sign
 from live.motion import quaternion
 from live.motion.pose.pose_pipeline import mean_pose
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def _rotations(seed, count):

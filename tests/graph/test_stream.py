@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from live.graph.motion_graph import build_graph
 from live.graph.random_walk import random_walk
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 @pytest.fixture(scope="module")

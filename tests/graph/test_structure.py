@@ -11,7 +11,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.graph.transition_rules import begun_side, may_follow, plain_pose, unmatched_poses
 from live.motion.mirror import mirror_step
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 
 def follows(graph, first, second):

@@ -8,7 +8,7 @@ import numpy as np
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE, find_takes
 from live.motion.step_clip import check_same_structure
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def test_takes_are_the_same_measure_of_the_same_step_in_another_clip():

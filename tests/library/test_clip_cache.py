@@ -8,7 +8,7 @@ import pytest
 from live.library import disk_cache
 from live.library.disk_cache import ClipCache
 from live.motion.step_clip import StepClip
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 CACHE = ClipCache("made", kept=3)
 

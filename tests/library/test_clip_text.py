@@ -4,7 +4,7 @@ import pytest
 
 from live.library.clip_text import clips_from_text, clips_to_text
 from live.show.selection.graph_update import same_clip
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 
 
 def test_every_bit_comes_back_in_a_fraction_of_the_room():

@@ -9,7 +9,7 @@ from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
 from live.rehearse.simulated_players import FakePlayers, Words
 from live.show.patch.patch_reader import parse_patch
-from tests.show.desk_show import DESK
+from tests.show.desk.desk_show import DESK
 from tests.show.made_show import PATCH
 
 

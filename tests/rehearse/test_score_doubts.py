@@ -4,7 +4,7 @@ import pytest
 
 from live.rehearse.score_lint import cue_doubts, formation_doubts, section_doubts, sequence_doubts
 from live.show.patch.patch_reader import parse_patch
-from tests.show.desk_show import DESK
+from tests.show.desk.desk_show import DESK
 from tests.show.made_show import PATCH, made_show
 
 SECTIONS = """

@@ -8,9 +8,9 @@ import pytest
 
 from live.render.headless import NoOpenGL, create_headless_context
 from live.render.window.monitors import stop_glfw
-from tests import two_monitor_x as x_server
+from tests.fixtures import two_monitor_x as x_server
+from tests.fixtures.two_monitor_x import TwoMonitorX
 from tests.render.golden import check_golden
-from tests.two_monitor_x import TwoMonitorX
 
 
 @pytest.fixture(scope="session")

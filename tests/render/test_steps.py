@@ -8,7 +8,7 @@ import pytest
 from live.base.picture_parameters import BY_ADDRESS, picture_of
 from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.renderer import Renderer
-from tests.render.test_passes import CAMERA, SCENE, many, row_with, three
+from tests.render.passes.test_passes import CAMERA, SCENE, many, row_with, three
 from tests.render.test_renderer import read, scene
 
 pytestmark = pytest.mark.gl

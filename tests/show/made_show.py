@@ -4,7 +4,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 
 PATCH = """
 name = "test"

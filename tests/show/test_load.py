@@ -11,7 +11,7 @@ from live.show import loader
 from live.show.loader import load_show, show_of
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 from tests.show.made_show import PATCH
 
 HERE = Path("show.toml")

@@ -7,7 +7,7 @@ from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from live.show.status import Status
 from live.show.telemetry import Readable
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
              "/dance/latency/projector"}  # fmt: skip

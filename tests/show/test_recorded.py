@@ -2,7 +2,7 @@
 
 from live.show.loader import for_recordings, patch_for, with_steps_of
 from live.show.patch.patch_reader import parse_patch
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import GRAPH, PATCH
 
 

@@ -1,1 +1,4 @@
-"""The crowd: steering of all agents in one pass over neighbours, with two ways of avoidance (T080-T083, T108)."""
+"""One tick of the crowd: spatial grid, neighbours, acceleration, contacts and stage bounds.
+
+It may import what `agents` may, and no other room but its kernels.
+"""

@@ -1,1 +1,1 @@
-"""Gates and wings."""
+"""Entrances bring agents onto the stage and off it, through gates and wings. It may import what `agents` may."""

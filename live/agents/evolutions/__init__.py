@@ -1,1 +1,4 @@
-"""Evolutions: who goes where, on which way, facing where, exactly with the measures (thesis 4.2 and 4.3)."""
+"""Evolutions plan the motion of a group from one formation to the next, beat by beat.
+
+It may import what `agents` may.
+"""

@@ -1,1 +1,1 @@
-"""Goals of their own: each agent goes to a place, or to several in turn, and stops there (T082 arrive, T105)."""
+"""Goals are the places that agents go to, one after another. It may import what `agents` may."""

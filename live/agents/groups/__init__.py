@@ -1,1 +1,1 @@
-"""Groups: who is meant, by number, attribute, name or place on the stage; divided, mirrored, one after the other."""
+"""Groups say which dancers are meant: a roster, and expressions over it. It may import what `agents` may."""

@@ -1,1 +1,1 @@
-"""Scenarios: agents, goals and walls on which avoidance is judged, read from JSON or generated, run and measured."""
+"""Scenarios are benchmarks of collision avoidance: who starts where and goes where. It may import what `agents` may."""

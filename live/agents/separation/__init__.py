@@ -1,1 +1,1 @@
-"""Keeping paths apart."""
+"""Separation predicts collisions and keeps the paths of dancers apart. It may import what `agents` may."""

@@ -1,1 +1,1 @@
-"""Cli.steps."""
+"""Commands about the step library: list, add, check, dance, partner, texture. It may import every layer."""

@@ -1,1 +1,1 @@
-"""The bar pointer: activations in; tempo, beat, metre and downbeat out, filtered forward (Whiteley, Krebs, Böck)."""
+"""The bar pointer tracks beat and downbeat with a hidden Markov model. It may import what `clock` may."""

@@ -1,1 +1,1 @@
-"""What music is like, beat for beat: how loud, dense and bright it is, whether it builds up, and when it drops."""
+"""Energy measures loudness and finds build-ups and drops. It may import what `clock` may."""

@@ -1,1 +1,4 @@
-"""Many sources in, one timeline out."""
+"""The follower makes one timeline of many clock sources, and corrects its phase without a jump.
+
+It may import what `clock` may.
+"""

@@ -1,1 +1,1 @@
-"""Audio features, onset and beat networks."""
+"""Tracking finds onsets and beats in sound: features, beat network, aubio. It may import what `clock` may."""

@@ -1,1 +1,1 @@
-"""The audience's gateway: a process of its own to which phones talk, and what it makes of their voices."""
+"""The audience's phones: HTTP server, sessions, fair shares, votes. It may import what `control` may."""

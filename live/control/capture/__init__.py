@@ -1,1 +1,1 @@
-"""Vmc and posistagenet."""
+"""Bodies of real dancers over the network: VMC and PosiStageNet. It may import what `control` may."""

@@ -1,1 +1,1 @@
-"""Layouts: the controls of the registry as faders, pads and buttons for tablets (TouchOSC, Open Stage Control)."""
+"""Layouts for tablets, made from the registry of controls. It may import what `control` may."""

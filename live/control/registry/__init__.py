@@ -1,1 +1,4 @@
-"""The table of controls."""
+"""The registry lists every control: its address, arguments, ranges, roles and event.
+
+It may import what `control` may.
+"""

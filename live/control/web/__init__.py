@@ -1,1 +1,1 @@
-"""Operator's page."""
+"""The operator's page and its server. It may import what `control` may."""

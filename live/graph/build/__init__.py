@@ -1,1 +1,1 @@
-"""Metrics and edges."""
+"""Building the graph: distances between poses, transitions, blends. It may import what `graph` may."""

@@ -1,1 +1,1 @@
-"""Next measure, live."""
+"""Selection of the next measure, live: candidates, scores, reachability. It may import what `graph` may."""

@@ -1,1 +1,1 @@
-"""Tracking faults."""
+"""Cleanup finds and mends faults of motion capture. It may import what `motion` may."""

@@ -1,1 +1,1 @@
-"""Motion editing tools: pure functions on arrays and clips, each of which returns a new clip and changes none."""
+"""Edits of clips, offline: time warp, amplitude, turns, mirrors. It may import what `motion` may."""

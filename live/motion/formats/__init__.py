@@ -1,1 +1,1 @@
-"""Bvh, asf/amc, gltf, amass readers and writers."""
+"""Readers and writers of motion files: BVH, ASF/AMC, glTF, AMASS. It may import what `motion` may."""

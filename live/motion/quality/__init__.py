@@ -1,1 +1,1 @@
-"""Figures of a motion's quality, one implementation for reports and benches: feet, smoothness of joins, beats."""
+"""Metrics of motion: beats, feet, smoothness. It may import what `motion` may."""

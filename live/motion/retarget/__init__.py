@@ -1,1 +1,1 @@
-"""Foreign skeletons onto ours."""
+"""Retargeting of foreign skeletons onto ours. It may import what `motion` may."""

@@ -1,1 +1,1 @@
-"""Steps written as text."""
+"""Sketches are steps written as text, with key poses and timing. It may import what `motion` may."""

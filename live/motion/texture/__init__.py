@@ -1,1 +1,1 @@
-"""Detail and missing joints of a sketched motion, out of motion capture (Pullen and Bregler 2002; P001-P024)."""
+"""Texture: sketched motion gets the detail of recordings (Pullen & Bregler). It may import what `motion` may."""

@@ -1,1 +1,1 @@
-"""Generated body mesh."""
+"""The generated body: mesh, weights, levels of detail. It may import what `render` may."""

@@ -1,1 +1,1 @@
-"""Users' own characters: glTF, GLB and VRM models brought onto the engine's skeleton, drawn in the place of bodies."""
+"""Characters that people bring: glTF and VRM files. It may import what `render` may."""

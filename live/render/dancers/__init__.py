@@ -1,1 +1,1 @@
-"""Instancing, styles, trails."""
+"""Dancers in many: instances, styles, trails, particles. It may import what `render` may."""

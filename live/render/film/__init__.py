@@ -1,1 +1,1 @@
-"""Video, streams, shared memory."""
+"""Pictures for files and other programs: video, streams, shared memory. It may import what `render` may."""

@@ -1,1 +1,4 @@
-"""Outputs: the picture on one or several projectors, bent to what it falls on."""
+"""Outputs to projectors: corner pin, mesh, soft edge, masks, test cards, flash limit.
+
+It may import what `render` may.
+"""

@@ -1,1 +1,1 @@
-"""The passes of a picture, one file each, in the order in which the renderer runs them."""
+"""Passes of a picture, one file each. It may import what `render` may."""

@@ -1,1 +1,1 @@
-"""Windows and monitors."""
+"""Windows and monitors. It may import what `render` may."""

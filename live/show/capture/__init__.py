@@ -1,1 +1,1 @@
-"""Captured performers on stage."""
+"""Captured performers on the stage. It may import what `show` may."""

@@ -1,1 +1,1 @@
-"""What each dancer is doing."""
+"""What each dancer does now: measure, pose, correction, variation. It may import what `show` may."""

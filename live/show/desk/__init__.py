@@ -1,1 +1,1 @@
-"""Parameters, cues, scenes, undo."""
+"""The desk: parameters and fades, scenes, cues, undo. It may import what `show` may."""

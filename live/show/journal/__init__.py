@@ -1,1 +1,1 @@
-"""Journal, replay, snapshots."""
+"""The journal of a show: writing, reading, replay. It may import what `show` may."""

@@ -1,1 +1,1 @@
-"""Patch model, reader, checks."""
+"""The patch: its model, reader, checks and search path. It may import what `show` may."""

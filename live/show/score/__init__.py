@@ -1,1 +1,1 @@
-"""Sections, sequences, improvisation."""
+"""The score: sections, sequences, improvisation, reactions to music. It may import what `show` may."""

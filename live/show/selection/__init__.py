@@ -1,1 +1,1 @@
-"""Choice of every next step."""
+"""The choice of every dancer's next step. It may import what `show` may."""

@@ -1,1 +1,1 @@
-"""The state of a show as data: what is in it, field by field; its writing and reading."""
+"""The state of a show as data: kinds, encoder, decoder, checks. It may import what `show` may."""

@@ -1,1 +1,1 @@
-"""Snapshot for drawing."""
+"""The snapshot that is drawn, filled from a show's state. It may import what `show` may."""

@@ -19,7 +19,7 @@ from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 from live.show.status import Status
 from tests.cli.command import run_live
-from tests.show.disk import settled
+from tests.show.journal.disk import settled
 
 TEMPO = 120.0
 SCRIPT = {

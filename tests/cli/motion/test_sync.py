@@ -17,7 +17,7 @@ from tests.cli.command import run_live
 from tests.library.test_music_reference import click_track
 from tests.motion.beats.test_claps import hands, uneven
 from tests.motion.formats.made_bvh import body_bvh
-from tests.motion.made_source import clapping
+from tests.motion.retarget.made_source import clapping
 
 
 @pytest.fixture

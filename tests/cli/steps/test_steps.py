@@ -25,7 +25,7 @@ from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.status import Status
 from tests.cli.command import run_live
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import mocap_file
 

@@ -16,7 +16,7 @@ from live.cli.steps.graph import dot_of, json_of, report_of, svg_of
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.show.patch.patch_search_path import PATCHES
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 from tests.motion.formats.made_bvh import body_bvh, danced
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -10,8 +10,8 @@ import pytest
 from live.cli.venue import devices
 from live.control.audio import devices as sound_devices
 from live.control.audio.devices import SoundDevice
-from tests import two_monitor_x
 from tests.cli.command import run_live, run_live_process
+from tests.fixtures import two_monitor_x
 
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
 

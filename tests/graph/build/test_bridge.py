@@ -14,7 +14,7 @@ from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 
 def _recording(seconds: float, arms: list[tuple[float, float]], rate: float = 60.0) -> Clip:

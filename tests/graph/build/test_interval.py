@@ -10,7 +10,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def _late(name: str, samples: float):

@@ -13,7 +13,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 Y = np.array((0.0, 1.0, 0.0))
 HAND = SKELETON.index("leftHand")

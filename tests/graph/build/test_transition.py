@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from live.graph.build.transitions import WINDOW_SAMPLES, all_pairs, joint_weights, transition_windows, window_weights
 from live.graph.step_library import build_library
 from live.motion.skeleton import JOINT_COUNT
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 
 
 def _clouds(seed, count):

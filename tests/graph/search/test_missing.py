@@ -11,7 +11,7 @@ from live.graph.search.sequence import NoPath, find_sequence, parse_sequence
 from live.graph.search.sequence_spec import specify
 from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 
 def ballet():

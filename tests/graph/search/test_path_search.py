@@ -15,8 +15,8 @@ from live.graph.search.sequence_diagnostics import ANY, cost_to_go
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
-from tests.made_steps import made_clip, made_steps
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.made_steps import made_clip, made_steps
+from tests.fixtures.steps_of_the_project import project_steps
 
 SQUARE = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0)]
 ROUND = np.linspace(0.0, 2.0 * np.pi, 361)

@@ -12,7 +12,7 @@ from live.graph.search.live_sequence import LiveSequence, plan_from
 from live.graph.search.sequence import NoPath, best_start, find_sequence, parse_sequence
 from live.graph.search.sequence_spec import Wanted, specify
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from live.base.errors import PersonError
 from live.graph.search.sequence import parse_sequence
 from live.graph.search.sequence_spec import MOST_MEASURES, Wanted, leads_rightly, specify
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip, made_steps
+from tests.fixtures.made_steps import made_clip, made_steps
 
 
 @pytest.fixture(scope="module")

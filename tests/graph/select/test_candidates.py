@@ -15,8 +15,8 @@ from live.graph.takes import NO_TAKE
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.turn_insertion import insert_rotation
 from live.motion.step_clip import travel
-from tests.made_steps import made_clip
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.made_steps import made_clip
+from tests.fixtures.steps_of_the_project import project_steps
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from live.graph.select.candidates import QUICKEST_TURN
 from live.graph.select.selector import Choosing, with_direction
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.steps_of_the_project import project_steps
 
 SECONDS = 2.0
 TURN = math.radians(50.0)

@@ -11,7 +11,7 @@ from live.graph.search.path_following import follow_line, follow_path
 from live.graph.select.candidates import find_candidates
 from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_of
 from live.graph.step_library import build_library
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 
 def made(ways, step="glide"):

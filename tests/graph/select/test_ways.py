@@ -10,7 +10,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.select.candidates import find_candidates, widening
 from live.graph.select.reachability import TABLED_DIRECTIONS, TURNS, Ways, reach_of, ways_of
 from live.graph.step_library import build_library
-from tests.steps_of_the_project import project_steps
+from tests.fixtures.steps_of_the_project import project_steps
 
 
 @pytest.fixture(scope="module")

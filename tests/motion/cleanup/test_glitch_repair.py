@@ -14,8 +14,8 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from tests.motion.made_source import NAMES, lively, source
 from tests.motion.mocap import mocap_motion
+from tests.motion.retarget.made_source import NAMES, lively, source
 
 
 def repaired(motion: SourceMotion, fps: float | None = None) -> tuple[SourceMotion, list[Repair]]:

@@ -5,8 +5,8 @@ import pytest
 
 from live.motion.cleanup.trim_start import Beginning, find_beginning
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.made_source import lively, source, still
 from tests.motion.mocap import mocap_index, mocap_motion
+from tests.motion.retarget.made_source import lively, source, still
 
 
 def beginning(values: np.ndarray, fps: float) -> Beginning:

@@ -7,7 +7,7 @@ import numpy as np
 from live.motion.partner.sketched_examples import APART, sketched_pairs
 from live.motion.partner.units import Hold, Units, in_beats
 from live.motion.partner_live.stage_partner import MADE, Lore, ReadLeader, frames_of
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 from tests.motion.partner.made_examples import made_units
 
 TEMPO = 120.0

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.made_source import NAMES, lively, source, still
+from tests.motion.retarget.made_source import NAMES, lively, source, still
 
 
 def scaled(motion: SourceMotion, factor: float) -> SourceMotion:

@@ -13,7 +13,7 @@ from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.projection import Places, Projection
 from live.render.window.monitors import UnknownMonitor, find_monitor
 from live.render.window.window_input import KeyPressed, PointerPressed
-from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
+from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 SCENE = Scene((12.0, 8.0), Camera(), Look(background=(0.2, 0.4, 0.9)), 1, 22)
 LEFT, RIGHT = Output("left", "1", crop=(0.0, 0.0, 0.5, 1.0)), Output("right", "2", crop=(0.5, 0.0, 0.5, 1.0))

@@ -13,7 +13,7 @@ from live.base.stage_snapshot import PASSES
 from live.render.adaptive_quality import CARD, SOFTWARE
 from live.render.custom_pass import problem_of, try_passes
 from live.render.renderer import Renderer
-from tests.render.test_passes import SCENE, SIZE, many, three
+from tests.render.passes.test_passes import SCENE, SIZE, many, three
 from tests.render.test_renderer import read
 
 NEGATIVE = "vec4 pass(vec2 at) { return vec4(vec3(0.5) - min(light(at), vec3(0.5)), 1.0); }\n"

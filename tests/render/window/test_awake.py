@@ -10,7 +10,7 @@ import pytest
 from live.render.window import screensaver as awake
 from live.render.window.screensaver import PERIOD, Awake, x11_display
 from live.render.window.window import Window
-from tests.two_monitor_x import TwoMonitorX
+from tests.fixtures.two_monitor_x import TwoMonitorX
 
 
 class _Info(ctypes.Structure):

@@ -14,8 +14,8 @@ from live.render.window.monitors import (
     same_monitor,
     screen_problem,
 )
+from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 from tests.places import ROOT
-from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 DESK = Monitor(1, "eDP-1", (0, 0), (1920, 1200), 60.0)
 LEFT = Monitor(2, "HDMI-1", (1920, 0), (1920, 1080), 50.0)

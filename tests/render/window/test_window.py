@@ -21,7 +21,7 @@ from live.render.window.window_input import (
     Resized,
     WindowInput,
 )
-from tests.two_monitor_x import FIRST, SECOND, TwoMonitorX
+from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 RED = (255, 0, 0)
 

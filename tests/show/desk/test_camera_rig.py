@@ -13,7 +13,7 @@ from live.render.camera import pixel_of
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
 from live.show.view.render_scene import scene_of
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 SIZE = (1280, 720)
 MOVING = """

@@ -5,7 +5,7 @@ import pytest
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.registry.registry import REGISTRY
 from live.show.patch.patch_search_path import PatchError
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import pytest
 
 from live.control.registry.registry import REGISTRY
 from live.show.desk.undo_history import EDITED, MOST
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 
 @pytest.fixture

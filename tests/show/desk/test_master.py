@@ -6,8 +6,8 @@ import pytest
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.registry.registry import REGISTRY
 from live.show.state.snapshot import Snapshots, restore
-from tests.show.desk_show import Hands
-from tests.show.test_desk_kept import LOADED
+from tests.show.desk.desk_show import Hands
+from tests.show.desk.test_desk_kept import LOADED
 
 
 def seen(hands):

@@ -7,7 +7,7 @@ from live.base.errors import PersonError
 from live.base.picture_parameters import EYE, TARGET
 from live.show.desk.parameter_table import addresses, check_setting, numbers_of
 from live.show.patch.patch_search_path import PatchError
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 LEVEL = "/dance/light/level"
 

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 from live.clock.ticks import TICK
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 
 def spot(hands, number):

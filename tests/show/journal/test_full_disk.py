@@ -14,7 +14,7 @@ from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from tests.show.disk import settled
+from tests.show.journal.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)

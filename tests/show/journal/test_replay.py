@@ -22,7 +22,7 @@ from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import version_of
 from live.show.state.snapshot import Snapshots, facts_of
 from live.show.status import Status
-from tests.show.disk import settled
+from tests.show.journal.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)

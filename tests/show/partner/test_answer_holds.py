@@ -13,9 +13,9 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
-from tests.show.answering_show import FILE, FOLLOWER, LEADER
-from tests.show.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms
 from tests.show.made_show import PATCH
+from tests.show.partner.answering_show import FILE, FOLLOWER, LEADER
+from tests.show.partner.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms
 
 STAMP = {"time": 0.0, "source": "osc"}
 BODY = [j for j in range(JOINT_COUNT) if j not in ARM_JOINTS[[1, 2, 4, 5]]]

@@ -15,7 +15,8 @@ from live.show.patch.patch_update import fitted, prepare, version_of
 from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 from live.show.telemetry import Outgoing
-from tests.show.answering_show import (
+from tests.show.made_show import GRAPH, PATCH
+from tests.show.partner.answering_show import (
     DUET,
     FILE,
     FOLLOWER,
@@ -27,7 +28,6 @@ from tests.show.answering_show import (
     patch_of,
     run,
 )
-from tests.show.made_show import GRAPH, PATCH
 
 STAMP = {"time": 0.0, "source": "osc"}
 ON_PLACE = DUET + 'place = "own"\n'

@@ -12,7 +12,7 @@ from live.graph.step_library import build_library
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.show import Show
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import PATCH, made_show
 
 PLAIN = "[motion]\nwarp_beats = 0\namplitude = 0\nfoot_lock = false\n"

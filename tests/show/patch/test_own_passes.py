@@ -9,7 +9,7 @@ from live.show.patch.hot_reload import stamp_of_files
 from live.show.patch.patch_reader import own_pass_files, read_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import scene_of
-from tests.show.desk_show import Hands
+from tests.show.desk.desk_show import Hands
 from tests.show.made_show import PATCH
 
 WAVES = "uniform float speed; // 0 4 1\nvec4 pass(vec2 at) { return vec4(light(at + speed), 1.0); }\n"

@@ -11,8 +11,8 @@ from live.control.events.events import GiveCue, PatchChanged
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import loaded_by, reload, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
-from tests.show import edited_night
-from tests.show.edited_night import STEPS, folder_with
+from tests.show.patch import edited_night
+from tests.show.patch.edited_night import STEPS, folder_with
 
 PATCH = """name = "edited"
 steps = "moves"

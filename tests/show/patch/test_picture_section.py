@@ -7,7 +7,7 @@ from live.base.stage_snapshot import PASSES
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import scene_of
-from tests.show.desk_show import Hands
+from tests.show.desk.desk_show import Hands
 from tests.show.made_show import PATCH
 
 INK = "/dance/pass/ink"

@@ -12,7 +12,7 @@ from live.graph.step_library import build_library
 from live.show.patch.patch_reader import parse_patch
 from live.show.selection.lookahead import IMPOSSIBLE, Foresight
 from live.show.show import Show
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 PATCH = """
 name = "poses"

@@ -10,7 +10,7 @@ from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, reload, replay
 from live.show.loader import load_show
 from live.show.selection.graph_update import LibraryWatch, same_clip
-from tests.show.edited_night import STEPS, Night, folder_with
+from tests.show.patch.edited_night import STEPS, Night, folder_with
 
 PATCH = """
 name = "growing"

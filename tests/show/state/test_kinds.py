@@ -16,7 +16,7 @@ from live.show.state.kind import NUMBERS, type_of
 from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT, METHODS
 from live.show.state.snapshot import SnapshotError, Snapshots, at_rest, many_of, restore
 from live.show.state.type_check import check_state
-from tests.show.desk_show import DESK
+from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.hostile import opened
 from tests.show.state.test_snapshot import MADE, SCRIPT, run, taken_at

@@ -14,7 +14,7 @@ from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.patch.patch_update import fitted, version_of
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshots, at_rest, facts_of, restore, snapshot
-from tests.show.desk_show import DESK
+from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH.replace("reserve = 0", "reserve = 2"), "test.toml"), GRAPH)

@@ -7,7 +7,7 @@ from live.base.picture_parameters import BY_ADDRESS
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.render.media import write_image
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 
 TWO = DESK + '[[background]]\nname = "sea"\nfile = "sea.png"\n[[background]]\nname = "town"\nfile = "t.png"\nseen = 1\n'
 

@@ -12,7 +12,7 @@ from live.motion.mirror import mirror_step
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import DIRECTIONS, beat_contacts, foot_slide, measured_direction, measured_distance, travel
-from tests.made_steps import made_clip
+from tests.fixtures.made_steps import made_clip
 
 WALK = """
 name = "walk"

@@ -11,7 +11,7 @@ from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshots, restore
 from tests.places import ROOT
-from tests.show.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, Hands
 from tests.show.made_show import GRAPH, PATCH
 
 TEXT = PATCH + DESK

@@ -14,7 +14,7 @@ from live.base.stage_snapshot import Background
 from live.render.adaptive_quality import CARD
 from live.render.headless import OffscreenTarget
 from live.render.renderer import Renderer
-from tests.render.test_passes import SCENE, three
+from tests.render.passes.test_passes import SCENE, three
 
 pytestmark = pytest.mark.gl
 SIZE = (256, 144)

@@ -19,7 +19,7 @@ from live.show.partner.partner_sources import AnswerBank, answer_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
-from tests.made_steps import made_steps
+from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import PATCH
 
 HELD = """
