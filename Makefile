@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds check format soak clean
+.PHONY: help play test test-long test-bounds check check-fast format soak clean
 BIN := .venv/bin
 ARGS ?=
 
@@ -31,6 +31,13 @@ check: ## format, lint, types, layers, all tests: what a change has to pass
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest -m "not soak" $(ARGS)
+
+check-fast: ## within a minute: format, lint, types, layers, the tests of what is not committed (ARGS=COMMIT: since then)
+	@tools/setup.sh test
+	@$(BIN)/ruff format --check -q
+	@$(BIN)/ruff check -q
+	@$(BIN)/mypy
+	@$(BIN)/python -m pytest -q $$($(BIN)/python tools/changed_tests.py $(ARGS))
 
 format: ## put every file into the project's form
 	@tools/setup.sh test
