@@ -9,7 +9,7 @@ from tests.places import ROOT
 
 DOCUMENTS = sorted(
     path
-    for part in ("*.md", "docs/**/*.md", "bench/*.md", "patches/**/*.md", "tests/**/*.md")
+    for part in ("*.md", "docs/**/*.md", "bench/*.md", "patches/**/*.md", "tests/**/*.md", "live/**/*.md")
     for path in ROOT.glob(part)
 )
 ENDINGS = "\n".join(path.as_posix() for part in ("live", "tests") for path in (ROOT / part).rglob("*.py")) + "\n"
