@@ -59,7 +59,7 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     until_spare(running)
     key = (tmp_path / "config" / "web-key").read_text().strip()
     assert wait_for(lambda: page_answers(page, key) == 200, 20)
-    os.kill(children(running, "audio_process")[0], signal.SIGKILL)
+    os.kill(children(running, "audio_main")[0], signal.SIGKILL)
     os.kill(children(running, "osc_reader")[0], signal.SIGKILL)
     running.wait_for(lambda line: line["alive"].get("audio_restarts") == line["alive"].get("osc_restarts") == 1, 20)
     before = running.lines()[-1]
@@ -95,11 +95,11 @@ def page_answers(port: int, key: str) -> int:
 def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, Any]:
     """Kill to dance within three seconds: who comes after the spare comes out of the nursery, with all loaded. The
     stage is made black by OSC at `port` while nobody is there."""
-    engine, nursery, spare = children(running, "engine_process")
+    engine, nursery, spare = children(running, "engine_main")
     killed: list[int] = []
 
     def dancing() -> list[int]:
-        return [pid for pid in children(running, "engine_process") if pid not in (nursery, *killed)]
+        return [pid for pid in children(running, "engine_main") if pid not in (nursery, *killed)]
 
     for number in range(3):
         if number:
@@ -113,7 +113,7 @@ def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, An
     line = running.wait_for(lambda line: line["alive"].get("restarts") == 3 and line["alive"]["takeover_s"], 20)
     assert line["alive"]["takeover_s"] < 3.0 * BUSY  # since the first of them
     assert not line["alive"]["calm"]
-    assert nursery in children(running, "engine_process")
+    assert nursery in children(running, "engine_main")
     return line
 
 
@@ -131,7 +131,7 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
     own = {"XDG_RUNTIME_DIR": str(tmp_path)}
     running = play(*service[4:], env=own)
     until_spare(running)
-    engine, sound = children(running, "engine_process")[0], children(running, "audio_process")[0]
+    engine, sound = children(running, "engine_main")[0], children(running, "audio_main")[0]
     running.process.kill()
     running.process.wait()
     killed = running.lines()[-1]
@@ -210,7 +210,7 @@ def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_
     before, _ = newest(name)
     assert wait_for(lambda: newest(name)[0] > before + 10, 10)
     assert max(newest(name)[1]) > 30  # it is no black picture
-    for pid in (*children(leader, "engine_process"), leader.process.pid):
+    for pid in (*children(leader, "engine_main"), leader.process.pid):
         os.kill(pid, signal.SIGKILL)
     line = other.wait_for(lambda line: line["alive"].get("epoch") == 2, 20)
     assert ready["measure"] <= line["measure"]
@@ -245,7 +245,7 @@ def test_a_leader_that_was_stopped_follows_when_it_is_back_and_leads_once_more_w
         os.kill(pid, signal.SIGCONT)
     back = leader.wait_for(lambda line: line["alive"].get("follows") == "two" and line["alive"]["is_deputy"], 60)
     assert (back["alive"]["epoch"], back["alive"]["ready"], back["alive"]["different"]) == (2, True, 0)
-    for pid in (*children(other, "engine_process"), other.process.pid):
+    for pid in (*children(other, "engine_main"), other.process.pid):
         os.kill(pid, signal.SIGKILL)
     again = leader.wait_for(lambda line: line["alive"].get("epoch") == 3, 20)
     leader.wait_for(lambda now: now["measure"] > again["measure"] + 2, 20)
@@ -286,7 +286,7 @@ def test_on_a_projector_the_dance_comes_back_and_the_desktop_is_never_seen(
     try:
         floor = eye.see()
         assert floor not in (RED, "000000")
-        os.kill(children(running, "engine_process")[0], signal.SIGKILL)
+        os.kill(children(running, "engine_main")[0], signal.SIGKILL)
         # black, or the picture of before as long as the system has not cleared the dead engine away
         seen, _ = eye.watch(lambda _: any("takeover_s" in line["alive"] and line["alive"]["takeover_s"] is not None
                                           for line in running.lines()[-2:]), 20.0 * BUSY)  # fmt: skip

@@ -1,4 +1,4 @@
-"""An engine in which faults are raised, as a chaos run's page says; else that of every show (`engine_process`)."""
+"""An engine in which faults are raised, as a chaos run's page says; else that of every show (`engine_main`)."""
 
 import sys
 from pathlib import Path
