@@ -197,7 +197,8 @@ class Side:
         child = self.child
         if child is None:
             if self._start_at is not None and now >= self._start_at:
-                self._begin(now)
+                self.begin(now)
+                self.restarts += self.child is not None
             return
         if not child.killed and child.hangs(now, slowdown):
             child.kill()
@@ -212,14 +213,13 @@ class Side:
         when = f" again; it is started once more in {wait:.0f} s" if wait else "; it is started again"
         self.say(f"the {role} process ended{when}")
 
-    def _begin(self, now: float) -> None:
-        self._start_at = None
+    def begin(self, now: float) -> None:
+        """Start it, or try again later where the system has no room for it now."""
+        self.child, self._start_at = None, None
         try:
             self.child = self.start()
-        except OSError:  # the system has no room for one now
+        except OSError:
             self._start_at = now + max(self._backoff.after(now), 1.0)
-            return
-        self.restarts += 1
 
     def close(self) -> None:
         """End it."""

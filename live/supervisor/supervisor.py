@@ -8,6 +8,7 @@ the one that calls other machines.
 import selectors
 import signal
 import socket
+import time
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -80,12 +81,13 @@ class Supervisor:
     def run(self) -> int:
         """Start everything, keep it going, and return the exit code of the engine that ended well (or could not)."""
         try:
+            now = time.monotonic()
             if self._orders.audio and self.audio.child is None:
-                self.audio.child = self._start_audio()
+                self.audio.begin(now)
             if self._orders.guard:
-                self.guard.child = self._start_guard()
+                self.guard.begin(now)
             if self._orders.osc_reader and self._reads is None:
-                self.osc_reader.child = self._start_osc_reader()
+                self.osc_reader.begin(now)
             while self.engines.code is None:
                 self._turn()
             return self.engines.code
@@ -107,7 +109,8 @@ class Supervisor:
         if self._writes is not None and self._writes is not self.engines.engine:
             self._write_on()
         if self._reads is not None and self._reads is not self.engines.engine:
-            self._reads, self.osc_reader.child = None, self._start_osc_reader()
+            self._reads = None
+            self.osc_reader.begin(now)
         if now >= self._confirm_at:
             self._confirm_at = now + CONFIRM_EVERY
             self._confirm()

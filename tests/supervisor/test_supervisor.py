@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -131,6 +132,28 @@ def test_where_the_system_has_no_room_for_an_engine_the_next_begins_as_soon_as_t
     assert supervisor.report.takeover_s < 4.5
 
 
+def test_where_the_system_has_no_room_for_the_other_processes_the_show_runs_and_they_come_later(tmp_path, monkeypatch):
+    """One start of the OSC reader without descriptors ended the supervisor."""
+    started, refused = Starter.start, []
+
+    def start(self, role, *arguments, **how):
+        if role != "engine" and role not in refused:
+            refused.append(role)
+            raise OSError(errno.EMFILE, "Too many open files")
+        return started(self, role, *arguments, **how)
+
+    monkeypatch.setattr(Starter, "start", start)
+    sleeper = [sys.executable, "-c", "import time; time.sleep(60)"]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
+        reader = {"osc": port, "osc_reader": sleeper}
+        plan = {"ticks": 150, "pace": 0.02}
+        code, lines, supervisor, _ = supervised(tmp_path, plan, spare=False, audio=sleeper, guard=sleeper, **reader)
+    assert code == 0
+    assert numbers(lines) == list(range(1, 151))
+    assert sorted(refused) == ["OSC", "audio", "guard"]
+    assert (supervisor.audio.restarts, supervisor.guard.restarts, supervisor.osc_reader.restarts) == (1, 1, 1)
+
+
 def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
     code, lines, supervisor, said = supervised(tmp_path, {"hangs": 120, "ticks": 160})
     assert code == 0
@@ -152,7 +175,7 @@ def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, mon
 def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_path, monkeypatch):
     """Only seconds in which somebody danced count: four crashes lie nearly two seconds apart here."""
     monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.0)
-    monkeypatch.setattr("live.supervisor.engine_failover.RestartLimit", lambda: RestartLimit(3, 2.0))
+    monkeypatch.setattr("live.supervisor.engine_deaths.RestartLimit", lambda: RestartLimit(3, 2.0))
     plan = {"kills": [5, 10, 15, 20], "ticks": 25, "slow": 1.5}
     _, lines, _, _ = supervised(tmp_path, plan, spare=False)
     assert [line["calm"] for line in lines if "calm" in line] == [False, False, False, True]
