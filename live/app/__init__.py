@@ -1,4 +1,4 @@
-"""The app composes a live show: session, frame loops, launch options, and what a window or a film needs.
+"""Composition of a live show: session, frame loops, launch options, services, windows and films.
 
-It may import every layer but `cli`.
+May import every layer except `cli`.
 """

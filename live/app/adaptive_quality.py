@@ -1,7 +1,4 @@
-"""What is drawn of a live show, watched: where its time goes, and how much quality it can afford or is told to keep.
-
-The program's shaders in a folder of somebody's own: drawn with, and taken anew when a file there is edited.
-"""
+"""Adaptive picture quality of a live show, and hot reload of shaders from a user's folder."""
 
 import os
 from collections.abc import Callable
@@ -25,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def watch_passes(session: Session, renderer: Renderer) -> None:
-    """Let a person put passes back into the picture that were left out because they could not be drawn."""
+    """Let the operator enable render passes again that were disabled after an error."""
 
     def hear(event: ControlEvent) -> None:
         if isinstance(event, ResetBreaker):
@@ -35,7 +32,7 @@ def watch_passes(session: Session, renderer: Renderer) -> None:
 
 
 class DrawingWatch(Affordance):
-    """Belongs to one picture of a session; called around every frame."""
+    """Frame times and adaptive quality of one picture of a session; called around every frame."""
 
     def __init__(self, session: Session, renderer: Renderer) -> None:
         super().__init__(renderer, session.clock.now)
@@ -52,20 +49,20 @@ class DrawingWatch(Affordance):
         session.status.notes.append(lambda: "; ".join(filter(None, (self._problem, *self._renderer.problems))))
 
     def hear(self, event: ControlEvent) -> None:
-        """An event that the show has heard: a step of quality is held so."""
+        """Handle the event that fixes the quality level."""
         if isinstance(event, HoldQuality):
             self.ladder.hold(None if event.step < 0.0 else round(event.step))
 
     def take_patch(self, patch: Patch) -> None:
-        """Another patch is in force: its own passes may have other texts."""
+        """Load the custom passes of another patch."""
         try:
             self._renderer.take_own(patch.picture.own_passes)
             self._problem = ""
         except PersonError as error:
-            self._problem = f"{error}; the last good one goes on"
+            self._problem = f"{error}; the last good one stays in use"
 
     def graph(self, view: StageView) -> None:
-        """Let the overlay show the last frames."""
+        """Update the overlay's graph of frame times."""
         graph = self._renderer.graph
         graph.period = self.period * 1e3 if view.overlay else 0.0
         if view.overlay:
@@ -77,24 +74,24 @@ class DrawingWatch(Affordance):
 
 
 EVERY: Final = 0.25
-"""Seconds between two looks at the folder; it must look the same twice, so that nothing half written is read."""
+"""Interval [s] between two checks of the folder; it must be unchanged twice, so that no half-written file is read."""
 
 Stamp = tuple[tuple[str, int, int], ...]
 
 
 def begin_with(folder: Path, console: Console) -> None:
-    """Draw with the shaders of `folder` from now on. It is made, with copies of them all, if it is not there."""
+    """Use the shaders of `folder` from now on; if it does not exist, create it with copies of all shaders."""
     if not folder.exists():
         read_from(None)
         _copy_all(folder)
-        console.print(f"all shaders are here, to be edited: {folder.resolve()}", soft_wrap=True, markup=False)
+        console.print(f"all shaders were copied here for editing: {folder.resolve()}", soft_wrap=True, markup=False)
     known = set(names())
     there = {name for name, _, _ in stamp_of(folder)}
     for name in sorted(there - known):
         console.print(f"note: --shaders: {name} is none of the program's shaders", style="yellow", markup=False)
     if not there & known:
         raise PersonError(
-            f"--shaders {folder}: none of the program's shaders is there", "name a folder that is not there"
+            f"--shaders {folder}: none of the program's shaders is there", "name a folder that does not exist"
         )
     read_from(folder)
 
@@ -105,11 +102,11 @@ def _copy_all(folder: Path) -> None:
         for name in names():
             (folder / name).write_text(own_text(name), encoding="utf-8")
     except OSError as error:
-        raise PersonError(f"--shaders {folder}: it cannot be made: {error.strerror}") from None
+        raise PersonError(f"--shaders {folder}: it cannot be created: {error.strerror}") from None
 
 
 def stamp_of(folder: Path) -> Stamp:
-    """Names, times and sizes of the shaders in a folder; nothing if it is away."""
+    """Return names, times and sizes of the shaders in a folder; empty if the folder is missing."""
     try:
         files = [each for each in os.scandir(folder) if each.name.endswith(".glsl") and each.is_file()]
         return tuple(sorted((each.name, each.stat().st_mtime_ns, each.stat().st_size) for each in files))
@@ -118,20 +115,20 @@ def stamp_of(folder: Path) -> Stamp:
 
 
 class ShaderWatch:
-    """Looks at the folder between frames. Thread: the main thread, which owns the OpenGL context."""
+    """Checks the folder between frames. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(self, folder: Path, take: Callable[[], None]) -> None:
-        """`take` makes everything that draws anew; PersonError if a shader is no program."""
+        """`take` rebuilds everything that draws; it raises PersonError if a shader does not compile."""
         self._folder, self._take = folder, take
         self._seen = self._taken = stamp_of(folder)
         self._next = 0.0
         self.problem = ""
-        """Why the last edit could not be taken; empty if it could."""
+        """Why the last edit failed; empty if it did not."""
         self.taken = 0
-        """Edits that were."""
+        """Number of edits in use."""
 
     def look(self, now: float) -> None:
-        """Look at `now` [s] whether somebody has edited a file; most calls return at once."""
+        """Check at `now` [s] whether a file was edited; most calls return at once."""
         if now < self._next:
             return
         self._next = now + EVERY
@@ -144,13 +141,13 @@ class ShaderWatch:
         try:
             self._take()
         except PersonError as error:
-            self.problem = f"{error}; the last good one goes on"
+            self.problem = f"{error}; the last good one stays in use"
         else:
             self.problem, self.taken = "", self.taken + 1
 
 
 def watch_shaders(session: "Session", take: Callable[[], None]) -> "ShaderWatch | None":
-    """A watch over the folder that was wished for, which tells in overlay and status what is wrong; None for none."""
+    """Return a watch on the folder of `--shaders`, shown in overlay and status; None without the option."""
     if session.wish.shaders is None:
         return None
     watch = ShaderWatch(session.wish.shaders, take)

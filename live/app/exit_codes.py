@@ -1,4 +1,4 @@
-"""How a process of `live` ends: its exit codes, signals that end it in order, and a person's error on the terminal."""
+"""Exit codes, termination signals and error output shared by all processes of `live`."""
 
 import signal
 from typing import Final
@@ -13,7 +13,7 @@ EXIT_INTERRUPTED: Final = 130
 
 
 def show_person_error(error: PersonError) -> None:
-    """Print the error on stderr: one line, and one more for the remedy; nothing in it is read as markup."""
+    """Print the error on stderr: one line, and one more for the remedy; its text is not parsed as markup."""
     console = Console(stderr=True, soft_wrap=True, highlight=False)
     console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
     if error.remedy is not None:
@@ -21,13 +21,14 @@ def show_person_error(error: PersonError) -> None:
 
 
 def end_cleanly() -> None:
-    """Closed terminals, `kill` and a second Ctrl-C must not cost the film and the end of the journal.
+    """Install signal handlers that end the process in order, so that film and journal are completed.
 
-    Scripts start what runs behind `&` with Ctrl-C ignored; here it always counts.
+    They cover closed terminals, `kill` and a second Ctrl-C. Shells start background jobs with SIGINT ignored; here it
+    is always handled.
     """
 
     def interrupt(_number: int, _frame: object) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # closing takes a moment: let it
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not interrupt the closing
         raise KeyboardInterrupt
 
     def leave(number: int, _frame: object) -> None:

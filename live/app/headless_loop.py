@@ -1,6 +1,6 @@
-"""The show without a window, in real time: for rehearsal, tests and long runs; with a picture if somebody takes it.
+"""Frame loop without a window, and the choice between window, film and headless run for `live play`.
 
-What `live play` does with a wish: a window where there is a screen, else a film, or a bare run in real time.
+A headless show runs in real time, for rehearsals, tests and long runs. It draws only if it is recorded or shared.
 """
 
 import contextlib
@@ -35,8 +35,10 @@ def play_headless(
     session: Session, scene: Scene, console: Console, *, picture: HeadlessPicture | None = None,
     sharing: "LiveSharing | None" = None,
 ) -> None:  # fmt: skip
-    """Run until the seconds are over or Ctrl-C; draws only if somebody takes the picture. `picture`, `sharing`: made
-    already, by who stood by; whoever made them gives them back."""
+    """Run until the time limit or Ctrl-C; draw only if the picture is recorded or shared.
+
+    `picture`, `sharing`: already made by a standby; the caller releases them.
+    """
     if session.lifeline is not None:
         session.engine.on_error = lambda error: FAULTS.note("drawing", error)
     if session.wish.record is None and not session.wish.share:
@@ -59,7 +61,7 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
     wish, renderer = session.wish, picture.renderer
     session.status.more["flashes_held"] = lambda: picture.flashes.held
     rate = live_rate(wish, picture.ctx)
-    watch = None if wish.quality is None else DrawingWatch(session, renderer)  # whoever films asks for the best
+    watch = None if wish.quality is None else DrawingWatch(session, renderer)  # without --quality: best
     if watch is not None:
         watch.period = 1.0 / rate
     if watch is None:
@@ -69,7 +71,7 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
     shaders = watch_shaders(session, renderer.take_shaders)
 
     def take_patch(patch: "Patch") -> None:
-        with contextlib.suppress(PersonError):  # it was tried before it came here: else the last good one goes on
+        with contextlib.suppress(PersonError):  # compiled once already before it came here; else the last good one stays
             renderer.take_own(patch.picture.own_passes)
 
     session.engine.patched.append(take_patch if watch is None else watch.take_patch)
@@ -114,7 +116,10 @@ FILM_NAME = "first-show.mp4"
 def play_show(
     wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool, lifeline: Lifeline | None = None
 ) -> None:
-    """Play what `wish` asks for; PersonError if that cannot be. `lifeline`: to the supervisor, if there is one."""
+    """Play the show in a window, as a film or headless; raise PersonError if that is not possible.
+
+    `lifeline`: the link to the supervisor, if there is one.
+    """
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)
     loaded = wish.load()
@@ -146,7 +151,10 @@ def play_show(
 
 
 def find_screen(name: str | None) -> Monitor | None:
-    """The monitor of that number, name or place; None for none. PersonError that lists those there are."""
+    """Return the monitor with that number, name or position; None for None.
+
+    Raise PersonError, which lists the monitors, if there is no such monitor.
+    """
     if name is None:
         return None
     try:
@@ -157,7 +165,7 @@ def find_screen(name: str | None) -> Monitor | None:
 
 def _headless(session: Session, console: Console) -> None:
 
-    console.print(f"{_welcome(session)}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
+    console.print(f"{_welcome(session)}; Ctrl-C stops it", style="dim", soft_wrap=True, markup=False)
     play_headless(session, session.loaded.scene(), console)
 
 
@@ -168,9 +176,9 @@ def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> Non
 
     seconds = wish.seconds or FILM_SECONDS
     path = wish.record or Path(FILM_NAME)
-    console.print(f"{screen_problem()}; {seconds:g} s of the show become a film", style="dim", soft_wrap=True)
+    console.print(f"{screen_problem()}; rendering {seconds:g} s of the show to a film", style="dim", soft_wrap=True)
     if wish.osc != Wish().osc:
-        console.print("note: a film takes no OSC; use --headless to play in real time", style="yellow", markup=False)
+        console.print("note: a film receives no OSC; use --headless to play in real time", style="yellow", markup=False)
     film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
     console.print(f"the film is here: {path.resolve()}", soft_wrap=True, markup=False)
 

@@ -1,4 +1,4 @@
-"""The picture of a show without a window: drawn where nobody sees it, for films and other programs."""
+"""Offscreen picture of a show without a window, for films and other programs."""
 
 from typing import TYPE_CHECKING
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 class HeadlessPicture:
-    """A context of OpenGL without a screen, and everything that draws in it. Thread: one."""
+    """An OpenGL context without a screen, and the renderer in it. Thread: the one that made it."""
 
     def __init__(self, wish: Wish, scene: Scene) -> None:
-        """PersonError where nothing can be drawn."""
+        """Raise PersonError if there is no OpenGL."""
         from live.render.headless import NoOpenGL, create_headless_context
         from live.render.outputs.photosensitivity import FlashGuard
         from live.render.outputs.projection import Shown
@@ -32,7 +32,7 @@ class HeadlessPicture:
         self.renderer = Renderer(self.ctx, scene, size=wish.size, steps=wish.quality is not None)
 
     def draw(self, view: StageView, now: "Callable[[], float]") -> moderngl.Framebuffer:
-        """Draw a picture, and return it as it is shown, flashes held. `now`: the show's time [s] once it is drawn."""
+        """Draw a picture and return it with flashes limited. `now` returns the show's time [s] after drawing."""
         self.renderer.draw(view, self._pictures.next)
         self._pictures.take()
         if view.flashes:
@@ -41,7 +41,7 @@ class HeadlessPicture:
         return self._shown.of(self._pictures, left)
 
     def close(self) -> None:
-        """Give everything back."""
+        """Release all resources."""
         from live.render.headless import release_headless_context
 
         for thing in (self.renderer, self._shown, self.flashes, self._pictures):

@@ -1,4 +1,4 @@
-"""`live warm`: compile all kernels once and keep them, with a progress bar, so that a show starts at once."""
+"""Compilation of all kernels into numba's cache (`live warm`), so that a show starts without compiling."""
 
 import contextlib
 import hashlib
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def _ready_mark() -> Path:
     from live.base import jit
 
-    # numba keeps its entries per source path and drops them when a file's time or size changes: so does this mark
+    # numba drops a cache entry when its source file's time or size changes: the mark depends on the same values
     files = jit.kernel_files()
     state = [(str(path), path.stat().st_mtime_ns, path.stat().st_size, jit.cache_name(path)) for path in files]
     digest = hashlib.sha256(repr(state).encode()).hexdigest()
@@ -30,7 +30,7 @@ def _ready_mark() -> Path:
 
 
 def is_warm() -> bool:
-    """Whether `warm_kernels` has filled the cache for these very sources."""
+    """Whether `warm_kernels` has filled the cache for the present sources."""
     return _ready_mark().exists()
 
 
@@ -40,9 +40,9 @@ def _kernel_modules(files: list[Path], package: Path) -> list[str]:
 
 @contextlib.contextmanager
 def _from_the_other_end(names: list[str]) -> Iterator[None]:
-    """Where there is a second core, another process compiles the same modules from the last to the first meanwhile.
+    """Compile the same modules in reverse order in a second process meanwhile, if there is a second core.
 
-    Both fill one cache, whose files are put in place whole; whoever comes second finds them there.
+    Both processes fill one cache, whose files are replaced atomically; the later process finds them there.
     """
     if (os.cpu_count() or 1) < 2:
         yield
@@ -59,9 +59,9 @@ def _from_the_other_end(names: list[str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _ending_between_kernels() -> Iterator[Callable[[], None]]:
-    """Who ends the program is obeyed when a kernel is ready: gives what must be called then.
+    """Delay SIGINT, SIGTERM and SIGHUP until a kernel is ready; yield the function to call then.
 
-    An exception out of a signal in the middle of numba's work would end with numba's own errors, told at length.
+    An exception raised by a signal handler while numba compiles would end in a long report of numba's own errors.
     """
     asked: list[int] = []
     usual: dict[int, Any] = {}
@@ -82,14 +82,14 @@ def _ending_between_kernels() -> Iterator[Callable[[], None]]:
         end_if_asked()
     finally:
         for number, handler in usual.items():
-            if signal.getsignal(number) is not signal.SIG_IGN:  # a handler that was called wants no second signal
+            if signal.getsignal(number) is not signal.SIG_IGN:  # set by a handler that ran: it ignores further signals
                 signal.signal(number, handler)
 
 
 def warm_kernels(console: "Console") -> int:
-    """Import every kernel module, which compiles what the cache does not hold; the number of kernels in all.
+    """Import every kernel module, which compiles kernels missing in the cache; return the number of all kernels.
 
-    Quiet when the cache of these sources was filled before; otherwise a bar names each kernel as it gets ready.
+    Print nothing when the cache is complete for these sources; else show a progress bar that names each kernel.
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -124,9 +124,9 @@ def warm_kernels(console: "Console") -> int:
                         importlib.import_module(name)
             finally:
                 jit.kernel_compiled.remove(advance)
-            progress.update(task, completed=total, kernel="")  # modules loaded before us did not call back
+            progress.update(task, completed=total, kernel="")  # modules imported earlier did not report
     except (KeyboardInterrupt, SystemExit):
-        console.print("ended; the next start compiles the kernels that are left", highlight=False)
+        console.print("stopped; the next start compiles the remaining kernels", highlight=False)
         raise
     if not jit.JIT_DISABLED:
         _ready_mark().touch()
@@ -135,7 +135,8 @@ def warm_kernels(console: "Console") -> int:
 
 def warm(
     stamp: Annotated[
-        Path | None, typer.Option(help="Write into this file which file tells that all is compiled.", dir_okay=False)
+        Path | None,
+        typer.Option(help="Write into this file the path of the file that marks the cache as complete.", dir_okay=False),
     ] = None,
 ) -> None:
     """Compile and cache the kernels, so that the first show starts at once."""

@@ -1,6 +1,6 @@
-"""Wish: what was asked for on the command line of a show. It is light to import: a supervisor needs no array.
+"""Parsed command line of a show, and its encoding for other processes.
 
-Played: how a wish is to be seen, and its way from the command line to the process that plays it.
+The module imports no NumPy, because the supervisor uses it.
 """
 
 import base64
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What was asked for on the command line."""
+    """Parsed command line of a show."""
 
     patch: str | None = None
     audio: str | None = None
@@ -26,70 +26,70 @@ class Wish:
     venue: str | None = None
     bpm: float | None = None
     link: str | None = None
-    """follow, lead or off; None: what the patch says."""
+    """follow, lead or off; None: as in the patch."""
     click: str | None = None
     click_channels: str | None = None
     midi: str | None = None
     midi_file: Path | None = None
-    """A MIDI file that leads the beat, and whose notes work what the map says."""
+    """A MIDI file whose tempo map leads the beat and whose notes act through the patch's MIDI map."""
     midi_out: str | None = None
     midi_clock_out: str | None = None
-    """Ports by name, or off; None: what the venue says, or the patch."""
+    """Ports by name, or off; None: as in the venue or the patch."""
     steps: Path | None = None
     seed: int | None = None
     measures: tuple[int, int] | None = None
-    """First and last measure of the written score, from 1, that are practised; None: the whole show."""
+    """First and last measure of the score to practise, from 1; None: the whole show."""
     tempo_share: float | None = None
-    """The tempo as a share of what it would be; the internal clock keeps it then."""
+    """Factor on the tempo; the internal clock then leads."""
     osc: tuple[str, int] = ("127.0.0.1", 9010)
     osc_process: bool = False
-    """Whether OSC is received in a process of its own."""
+    """Whether OSC is received in a separate process."""
     osc_musicians: tuple[str, int] | None = None
-    """A second port, where only what musicians may is taken."""
+    """A second OSC port, which accepts only commands that musicians may use."""
     osc_out: tuple[tuple[str, int], ...] = ()
-    """Whom the show tells what happens; none: whom venue or patch name."""
+    """Receivers of the show's OSC output; empty: those of the venue or the patch."""
     dmx: tuple[str, ...] = ()
-    """Universes of lamps that follow the show, as `parse_universe` reads them."""
+    """DMX universes that the show controls, in the syntax of `parse_universe`."""
     vmc_out: tuple[str, ...] = ()
-    """Where dancers are sent as avatars, as `parse_avatars` reads it."""
+    """Receivers of dancers as VMC avatars, in the syntax of `parse_avatars`."""
     psn: str | None = None
-    """Where trackers come in by PosiStageNet, as `parse_psn` reads it; None: where the venue says."""
+    """PosiStageNet input for trackers, in the syntax of `parse_psn`; None: as in the venue."""
     vmc: tuple[tuple[str, int], ...] = ()
-    """Where real dancers' bodies come in by the VMC protocol; none: where the venue says."""
+    """Ports for motion capture of real dancers by the VMC protocol; empty: as in the venue."""
     oscquery: tuple[str, int] | None = None
-    """Where other programs can find out what there is to control."""
+    """Address of the OSCQuery server."""
     web: tuple[str, int] | None = None
-    """Where the operator's page is served."""
+    """Address of the operator's web page."""
     web_key: str = field(default="", repr=False)
-    """What whoever wants in by that page has to bring; the same in all processes of a show."""
+    """Access key of the web page; the same in all processes of a show."""
     web_hosts: tuple[str, ...] = ()
-    """Names by which this machine is reached beside its addresses, for the page and OSCQuery."""
+    """Host names of this machine besides its addresses, accepted by the web page and OSCQuery."""
     audience: tuple[str, int] | None = None
-    """Where the audience's phones play along."""
+    """Address of the server for the audience's phones."""
     audience_link: str | None = None
-    """How phones are told to find that, if not by its own address."""
+    """Web address given to phones, if it differs from the server's own."""
     audience_tls: tuple[Path, Path] | None = None
-    """Certificate and key by which phones are met over https."""
+    """Certificate and key for https to phones."""
     audience_secret: bytes = b""
-    """What only this show knows, in all its processes: by it phones are known again."""
+    """Secret of this show, shared by its processes, by which returning phones are recognised."""
     journal: Path | None = None
     status_json: Path | None = None
     seconds: float | None = None
     record: Path | None = None
     share: tuple[str, ...] = ()
-    """Where the picture is shared: shm:NAME, or addresses of streams."""
+    """Where the picture is shared: shm:NAME, or stream addresses."""
     operator: str | None = None
-    """The monitor of the operator's own window; None: as the venue says."""
+    """The monitor of the operator's own window; None: as in the venue."""
     size: tuple[int, int] = (1280, 720)
     fps: float | None = None
     shaders: Path | None = None
-    """A folder of shaders that are drawn with instead of the program's own, and taken anew when they are edited."""
+    """A folder of shaders used instead of the built-in ones, and reloaded when edited."""
     quality: int | None = None
-    """The step of the picture's quality that is held, 0 for the best; None: as the machine can afford."""
+    """Fixed quality level of the picture, 0 is best; None: adaptive."""
 
     @property
     def practises(self) -> bool:
-        """Whether this is practice: the patch's own music cannot follow then, so that it does not play."""
+        """Whether this is practice; the patch's own music is then silent, as it cannot follow."""
         return self.measures is not None or self.tempo_share is not None
 
     @property
@@ -98,13 +98,13 @@ class Wish:
         return self.fps or 60.0
 
     def read_venue(self) -> "Venue | None":
-        """The venue that was named, if one was."""
+        """Read the venue; None if none is named."""
         from live.show.venue.venue import read_venue
 
         return None if self.venue is None else read_venue(self.venue)
 
     def load(self, *, whole: bool = True) -> "LoadedShow":
-        """The patch and its steps, as they are played in the venue. `whole`: see `load_show`."""
+        """Load the patch and its steps, adapted to the venue. `whole`: see `load_show`."""
         from live.show.loader import load_show
         from live.show.patch.patch_search_path import find_patch
 
@@ -115,7 +115,7 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """A wish and where its picture is shown."""
+    """Launch options with display options, and their encoding for another process."""
 
     wish: Wish
     monitor: str | None = None
@@ -123,13 +123,13 @@ class Played:
     headless: bool = False
 
     def packed(self) -> str:
-        """As one word, for another process of this program."""
+        """Encode as one word, for the command line of another process."""
         return base64.b64encode(packet_of(asdict(self))).decode()
 
     @classmethod
     def unpacked(cls, word: str) -> "Played":
-        """What `packed` made; ValueError for anything else."""
+        """Decode the result of `packed`; raise ValueError for anything else."""
         told = read_packet(base64.b64decode(word, validate=True))
         if not isinstance(told, dict):
-            raise ValueError("what is to be played is no table")
+            raise ValueError("the launch options are not a table")
         return made_of(cls, told)

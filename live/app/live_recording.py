@@ -1,9 +1,4 @@
-"""Recording: the running show's picture, and its music, into a film that keeps time whatever the frame rate does.
-
-Sharing: the running show's picture for other programs, in memory or over the network.
-
-Where the picture is shared, as it is written on the command line.
-"""
+"""Recording of a running show to a film, and sharing of its picture by shared memory or network streams."""
 
 import re
 from pathlib import Path
@@ -26,14 +21,14 @@ SOFTWARE_FPS = 30.0
 
 
 def film_sound(music: Music | None) -> FilmSound | None:
-    """The music that is played, from its beginning, again and again."""
+    """Return the music as a film's sound, looped from its beginning; None without music."""
     return None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
 
 
 def film_writer(
     path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, alpha: bool = False
 ) -> PictureWriter:
-    """A film with its sound, of the kind that its name says; PersonError if it cannot be made."""
+    """Open a film with sound, in the format of its file name; raise PersonError if that fails."""
     try:
         if path.suffix.lower() == ".png":
             return PictureFolder(path, size=size, fps=fps, sound=sound, alpha=alpha)
@@ -43,9 +38,9 @@ def film_writer(
 
 
 def live_rate(wish: Wish, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
-    """Frames per second of a live show: as wished, else the display's, but 30 where the processor draws.
+    """Return the frames per second of a live show: as in `wish`, else the display's rate, but 30 with software OpenGL.
 
-    A processor that draws as fast as it can leaves no time to the threads that listen and film, and stutters besides.
+    Software OpenGL at full rate would stutter and starve the threads for audio and film.
     """
     if wish.fps is not None:
         return wish.fps
@@ -53,7 +48,7 @@ def live_rate(wish: Wish, ctx: moderngl.Context, refresh_hz: float = 0.0) -> flo
 
 
 class LiveRecording:
-    """Films a framebuffer while the show runs: drops pictures rather than hold it up, and keeps time.
+    """Records a framebuffer while the show runs; drops or repeats pictures to keep time, and never blocks the show.
 
     Thread: the main thread, which owns the OpenGL context.
     """
@@ -71,7 +66,7 @@ class LiveRecording:
         self._failed: FilmError | None = None
 
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
-        """Take the picture just drawn at `time` [s of the show]: once, more often, or not at all, as the rate asks."""
+        """Record the picture drawn at `time` [s of the show] once, repeatedly or not at all, to match the film's rate."""
         picture = self._reader.push(framebuffer)
         due = int(time * self._fps)
         if picture is None or self._failed is not None:
@@ -84,7 +79,7 @@ class LiveRecording:
             self._failed = error
 
     def close(self, console: Console) -> None:
-        """Complete the film, and say what became of it."""
+        """Complete the film, and print the result."""
         try:
             self._writer.close()
         except FilmError as error:
@@ -97,12 +92,12 @@ class LiveRecording:
             console.print(f"note: {note}", style="yellow", markup=False)
         dropped = ""
         if self._writer.dropped:
-            dropped = f"; {self._writer.dropped} pictures were left out: a lower --fps or --size leaves out fewer"
+            dropped = f"; {self._writer.dropped} pictures were dropped: try a lower --fps or --size"
         console.print(f"the film is here: {self._writer.path.resolve()}{dropped}", soft_wrap=True, markup=False)
 
 
 class LiveSharing:
-    """Hands every picture on to rings and streams; never waits for them.
+    """Passes every picture to shared memory and streams, without waiting for them.
 
     Thread: the main thread, which owns the OpenGL context.
     """
@@ -110,7 +105,7 @@ class LiveSharing:
     def __init__(
         self, shares: tuple[str, ...], ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
     ) -> None:
-        """`shares` as `parse_shares` gives them; PersonError if one cannot be made."""
+        """`shares`: as returned by `parse_shares`; raise PersonError if one cannot be opened."""
         self._rings: list[SharedRing] = []
         self._streams: list[SharedStream] = []
         for share in shares:
@@ -126,7 +121,7 @@ class LiveSharing:
         self._fps, self._frame, self._time = fps, -1, 0.0
 
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
-        """Take the picture just drawn at `time` [s of the show]; it is handed on with the next one."""
+        """Read the picture drawn at `time` [s of the show]; it is passed on in the next call."""
         picture, drawn = self._reader.push(framebuffer), self._time
         self._time = time
         if picture is None:
@@ -140,11 +135,11 @@ class LiveSharing:
                 stream.write(picture, frame)
 
     def words(self) -> str:
-        """For the overlay: what is not sent now, and why; empty if all is well."""
+        """Return the streams that fail now and why, for the overlay; empty if there is none."""
         return "; ".join(f"{stream.url}: {stream.trouble}" for stream in self._streams if stream.trouble)
 
     def facts(self) -> dict[str, dict[str, int | str]]:
-        """For the status: pictures sent and left out, by address, and what is wrong."""
+        """Return pictures sent and dropped and the problem, by address, for the status."""
         told: dict[str, dict[str, int | str]] = {}
         for ring in self._rings:
             told[f"shm:{ring.path.name}"] = {"sent": ring.pictures, "dropped": 0, "trouble": ""}
@@ -159,12 +154,12 @@ class LiveSharing:
             stream.close()
 
     def close(self, console: Console) -> None:
-        """End rings and streams, and say what became of them."""
+        """Close shared memory and streams, and print the result of the streams."""
         self._close()
         self._reader.release()
         for stream in self._streams:
             told = f"{stream.url}: {stream.sent} pictures sent"
-            told += f", {stream.dropped} left out" if stream.dropped else ""
+            told += f", {stream.dropped} dropped" if stream.dropped else ""
             told += f" ({stream.trouble})" if stream.trouble else ""
             console.print(told, style="dim", soft_wrap=True, markup=False)
 
@@ -174,7 +169,7 @@ _NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 
 
 def parse_shares(texts: list[str] | None) -> tuple[str, ...]:
-    """`shm:NAME`, or an address like `udp://127.0.0.1:5000`, each once; PersonError for what is neither."""
+    """Check `shm:NAME` or addresses such as `udp://127.0.0.1:5000`; return each once. Raise PersonError for others."""
     for text in texts or []:
         scheme, colon, rest = text.partition(":")
         if scheme == "shm" and colon:
@@ -203,6 +198,6 @@ def _check_address(text: str, rest: str) -> None:
         if not has_srt():
             raise PersonError(
                 f"--share {text}: this PyAV was built without SRT",
-                "--share udp://127.0.0.1:5000, and let ffmpeg carry it on: "
+                "--share udp://127.0.0.1:5000, and let ffmpeg forward it: "
                 f"ffmpeg -i udp://127.0.0.1:5000 -c copy -f mpegts '{text}'",
             )

@@ -1,6 +1,6 @@
-"""A show as a film, offline: the same engine on a clock that is set frame by frame, faster or slower than life.
+"""Offline rendering of a show to a film, with an engine whose clock is set frame by frame.
 
-Names of films, and their frames a second, as they are written on the command line.
+Also parses film names and frame rates of the command line.
 """
 
 import contextlib
@@ -56,13 +56,12 @@ def film_show(
     taps: bool | None = None,
     alpha: bool = False,
 ) -> None:
-    """Render `seconds` of the show to `path`; with `report`, the figures of what was danced as JSON.
+    """Render `seconds` of the show to `path`; with `report`, write motion figures as JSON.
 
-    `click`, `taps`: whether a click track and the taps of the dancers' feet are heard; None: as the patch says.
-
-    `alpha`: the dancers without their stage, on nothing; drawn as with `fine`.
-    `fine`: draw as on a graphics card even without one; a picture then takes some five times as long.
-    `guides`: with the operator's guides in it. A film that is broken off is closed properly and plays to there.
+    `click`, `taps`: add a click track and the taps of the dancers' feet; None: as in the patch.
+    `alpha`: dancers without stage on a transparent background; drawn as with `fine`.
+    `fine`: draw as on a graphics card even without one, which takes about five times as long per picture.
+    `guides`: draw the operator's guides. An interrupted film is closed properly and plays up to there.
     """
     tempo = start_tempo(wish, loaded, sound)
     show = loaded.start(seed=wish.seed, tempo=tempo)
@@ -131,7 +130,7 @@ def mixed_sound(
     *,
     begin: float = 0.0,
 ) -> ShowSound | None:
-    """The mixer of the sound of a film from `begin` [s] of the show; None if there is nothing to add to the music."""
+    """Return a film's sound mixer from `begin` [s] of the show; None if there is nothing to add to the music."""
     own = loaded.patch.sound
     click, taps = own.click if click is None else click, own.taps if taps is None else taps
     return ShowSound(show, music, click=click, taps=taps, begin=begin) if click or taps else None
@@ -140,7 +139,7 @@ def mixed_sound(
 def canvas(
     stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool, *, alpha: bool = False
 ) -> tuple[OffscreenTarget, Renderer]:
-    """What is drawn into, and what draws; released with the stack. PersonError for what this driver cannot draw."""
+    """Return render target and renderer, released with the stack; raise PersonError if the driver cannot draw this."""
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:
@@ -188,7 +187,7 @@ def _status_file(stack: contextlib.ExitStack, wish: Wish, status: Status, clock:
 
 
 def progress_bar(console: Console) -> Progress:
-    """A bar for the frames of a film."""
+    """Return a progress bar for the frames of a film."""
     return Progress(
         TextColumn("rendering"), BarColumn(), MofNCompleteColumn(), TextColumn("frames"), TimeRemainingColumn(),
         console=console,
@@ -209,19 +208,19 @@ def _plain(value: Any) -> Any:
 
 
 PICTURES: Final = "%05d.png"
-"""Pictures of a film that is a folder."""
+"""Name pattern of the pictures if the film is a folder."""
 _NUMBER: Final = re.compile(r"%0?\d{0,2}d")
 _KINDS: Final = (".mp4", ".mov", ".mkv")
 _WITH_ALPHA: Final = (".mov", ".mkv")
 _SLOWER: Final = Fraction(1000, 1001)
-"""Television in America is by so much slower than its name says: 59.94 is 60000/1001."""
+"""NTSC factor: 59.94 is 60000/1001."""
 
 
 def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str | None]) -> Path:
-    """The film's name, with the pattern of its pictures if it is a folder of PNG files.
+    """Return the film's path, with the name pattern of its pictures if it is a folder of PNG files.
 
-    PersonError for a name of another kind, a kind without alpha if that is wanted, a place that is not there, and a
-    name of one of the files in `never`, which the show is made from.
+    Raise PersonError for an unknown format, a format without alpha if `alpha` is set, a missing folder, and for the
+    input files in `never`.
     """
     if path.is_dir() or (not path.suffix and "%" not in path.name):
         path = path / PICTURES
@@ -229,7 +228,7 @@ def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str |
         return _pictures(path, option)
     if path.suffix.lower() not in _KINDS:
         raise PersonError(
-            f"{option} {path}: a film's name ends in {', '.join(_KINDS)}, or is a folder for PNG pictures",
+            f"{option} {path}: a film's name ends in {', '.join(_KINDS)}, or names a folder for PNG pictures",
             f"{option} {path.with_suffix('.mp4')}",
         )
     if alpha and path.suffix.lower() not in _WITH_ALPHA:
@@ -241,33 +240,33 @@ def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str |
         raise PersonError(f"{option} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")
     for other in never:
         if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
-            raise PersonError(f"{option} {path}: that is a file the show is made from", "give the film another name")
+            raise PersonError(f"{option} {path}: the show reads this file", "give the film another name")
     return path
 
 
 def _pictures(path: Path, option: str) -> Path:
     if len(_NUMBER.findall(path.name)) != 1 or path.name.count("%") != 1:
         raise PersonError(
-            f"{option} {path}: pictures are numbered: their name needs one %05d",
+            f"{option} {path}: the pictures' name needs one number pattern such as %05d",
             f"{option} {path.parent / (path.stem.replace('%', '') + '-' + PICTURES)}",
         )
     if "%" in str(path.parent):
-        raise PersonError(f"{option} {path}: the number belongs into the name of the pictures, not of their folder")
+        raise PersonError(f"{option} {path}: the number pattern belongs in the pictures' name, not in the folder's")
     if path.parent.exists() and not path.parent.is_dir():
-        raise PersonError(f"{option} {path}: {path.parent} is no folder")
+        raise PersonError(f"{option} {path}: {path.parent} is not a folder")
     if not path.parent.parent.is_dir():
         raise PersonError(f"{option} {path}: there is no folder {path.parent.parent}", f"mkdir -p {path.parent}")
     return path
 
 
 def parse_rate(text: str | None, option: str = "--fps") -> float | None:
-    """Frames a second, 1 to 480: 60, 59.94 (that is 60000/1001) or a fraction like 24000/1001; None stays None."""
+    """Parse frames per second, 1 to 480: 60, 59.94 (60000/1001) or a fraction such as 24000/1001; None for None."""
     if text is None:
         return None
     try:
         rate = Fraction(text.strip())
     except (ValueError, ZeroDivisionError):
-        raise PersonError(f"{option} {text!r}: frames a second expected", f"{option} 60 or {option} 59.94") from None
+        raise PersonError(f"{option} {text!r}: frames per second expected", f"{option} 60 or {option} 59.94") from None
     if not 1 <= rate <= 480:
         raise PersonError(f"{option} {text}: 1 to 480 expected")
     named = round(rate / _SLOWER) * _SLOWER

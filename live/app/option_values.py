@@ -1,4 +1,4 @@
-"""Options that several commands share: how they are written, and what is said when they are written wrongly."""
+"""Parsers and checks for command-line options that several commands share."""
 
 import os
 import re
@@ -10,7 +10,7 @@ LARGEST_PICTURE = 8192
 
 
 def parse_size(text: str) -> tuple[int, int]:
-    """A picture size like 1280x720; PersonError otherwise."""
+    """Parse a picture size such as 1280x720; raise PersonError for anything else."""
     match = re.fullmatch(r"\s*(\d{2,5})\s*[xX×]\s*(\d{2,5})\s*", text)
     if match is None or not all(16 <= int(n) <= LARGEST_PICTURE for n in match.groups()):
         raise PersonError(
@@ -20,7 +20,7 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
-    """HOST:PORT, PORT or [IPV6]:PORT; PersonError otherwise."""
+    """Parse HOST:PORT, PORT or [IPV6]:PORT; raise PersonError for anything else."""
     match = re.fullmatch(r"(?:(\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?(\d{1,5})", text.strip())
     if match is None or int(match[2]) > 65535:
         raise PersonError(f"{name} {text!r}: HOST:PORT expected, port 0 to 65535", f"{name} 127.0.0.1:9010")
@@ -28,12 +28,12 @@ def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
 
 
 AUDIENCE_PORT = 8020
-"""Where phones play if nothing else is said."""
+"""Default port for phones."""
 _AUDIENCE = re.compile(r"(?:(\[[0-9A-Fa-f:.%]+\]|[^\s:\[\]]+):)?(\d{1,5})")
 
 
 def audience_address(text: str) -> tuple[str, int]:
-    """Where phones play, as [HOST:]PORT; PersonError otherwise."""
+    """Parse [HOST:]PORT of the server for phones; raise PersonError for anything else."""
     match = _AUDIENCE.fullmatch(text.strip())
     if match is None or int(match[2]) > 65535:
         raise PersonError(f"--audience {text!r}: [HOST:]PORT expected", f"--audience 0.0.0.0:{AUDIENCE_PORT}")
@@ -41,14 +41,14 @@ def audience_address(text: str) -> tuple[str, int]:
 
 
 def audience_web_address(text: str | None) -> str | None:
-    """The address that phones are given; PersonError for what is none."""
+    """Check and return the web address given to phones; raise PersonError if it is invalid."""
     if text is not None and re.fullmatch(r"https?://[A-Za-z0-9.\-\[\]:]{1,200}/?", text) is None:
         raise PersonError(f"--audience-link {text!r}: an address as in http://stage.local:8020 expected")
     return text
 
 
 def with_audience(words: list[str]) -> list[str]:
-    """A command line in which `--audience` alone means the usual port of this machine alone."""
+    """Return the command line with `--audience` without a value expanded to the default port on localhost."""
     found = []
     for index, word in enumerate(words):
         found.append(word)
@@ -59,26 +59,26 @@ def with_audience(words: list[str]) -> list[str]:
 
 
 def with_port(text: str, port: int) -> str:
-    """HOST with the port that is usual; what names a port already stays as it is."""
+    """Append the default port to a host without one; text that has a port already is returned unchanged."""
     host = text.strip()
     return host if ":" in host or host.isdecimal() or not host else f"{host}:{port}"
 
 
 def parse_number(value: float | None, name: str, low: float, high: float) -> None:
-    """PersonError unless `value` is None or a number within [low, high]."""
+    """Raise PersonError unless `value` is None or a number within [low, high]."""
     if value is not None and not low <= value <= high:  # NaN fails the comparison too
         raise PersonError(f"{name} {value:g}: {low:g} to {high:g} expected")
 
 
 def parse_choice(value: str | None, name: str, *choices: str) -> str | None:
-    """PersonError unless `value` is None or one of the words that may be said."""
+    """Return `value`; raise PersonError unless it is None or one of `choices`."""
     if value is not None and value not in choices:
         raise PersonError(f"{name} {value}: one of {', '.join(choices)} expected", f"{name} {choices[0]}")
     return value
 
 
 def parse_measures(text: str | None) -> tuple[int, int] | None:
-    """Measures as `17-24` or `17`, from 1; PersonError otherwise."""
+    """Parse a range of measures such as `17-24` or `17`, counted from 1; raise PersonError for anything else."""
     if text is None:
         return None
     match = re.fullmatch(r"\s*(\d{1,6})\s*(?:[-–]\s*(\d{1,6})\s*)?", text)
@@ -89,23 +89,23 @@ def parse_measures(text: str | None) -> tuple[int, int] | None:
 
 
 def film_file(path: Path | None, name: str, *, never: list[str | None]) -> None:
-    """PersonError unless `path` is None or names an mp4 file that is none of the files in `never` (what is read)."""
+    """Raise PersonError unless `path` is None or an mp4 file name that is not one of the input files in `never`."""
     if path is None:
         return
     if path.suffix.lower() != ".mp4":
         raise PersonError(f"{name} {path}: a film's name ends in .mp4", f"{name} {path.with_suffix('.mp4')}")
     for other in never:
         if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
-            raise PersonError(f"{name} {path}: that is a file the show is made from", "give the film another name")
+            raise PersonError(f"{name} {path}: the show reads this file", "give the film another name")
 
 
 def writable_file(path: Path | None, name: str) -> None:
-    """PersonError unless `path` is None or could be written: its folder is there and it is not a folder itself."""
+    """Raise PersonError unless `path` is None or could be written: its folder exists and it is not a folder itself."""
     if path is None:
         return
     if path.is_dir():
         raise PersonError(f"{name} {path}: that is a folder; give the name of a file")
     if path.exists() and not os.access(path, os.W_OK):
-        raise PersonError(f"{name} {path}: it must not be written to")
+        raise PersonError(f"{name} {path}: no permission to write it")
     if not path.parent.is_dir():
         raise PersonError(f"{name} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")

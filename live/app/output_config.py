@@ -1,9 +1,4 @@
-"""Where the windows of a show open: what the command line and the venue say, against the monitors there are.
-
-Keeping how outputs are bent: into the venue's file, whole or not at all, in a thread so that no frame waits.
-
-Where a hall's floor lies in the picture: what is known of it, and what becomes of corners that were pointed at.
-"""
+"""Outputs of a show: placement of windows on monitors, and saving of warps and floor corners to the venue's file."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -30,7 +25,7 @@ from live.show.venue.venue import Venue, venue_path
 
 
 def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
-    """The outputs of a venue, one that shows all of the picture if it says nothing; `name` is the venue's."""
+    """Return the outputs of a venue; if it has none, one that shows the whole picture. `name`: of the venue."""
     if venue is None or name is None or not venue.output:
         return (Output(),)
     folder = venue_path(name).parent
@@ -38,10 +33,12 @@ def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
 
 
 def places_of(wish: Wish, venue: Venue | None, *, monitor: Monitor | None, fullscreen: bool, hidden: bool) -> Places:
-    """All windows and where they open; PersonError for monitors that are not there. `--monitor` wins over what a
-    venue with one output says."""
+    """Return all windows and their monitors; raise PersonError for missing monitors.
+
+    `--monitor` overrides the monitor of a venue with one output.
+    """
     outputs = outputs_of(venue, wish.venue)
-    if hidden:  # who goes on with a show does so without a mask that was lost
+    if hidden:  # a standby resumes the show without a mask whose file was lost
         outputs = tuple(one if _mask_is_there(one) else replace(one, mask=None) for one in outputs)
     if len(outputs) == 1 and monitor is not None:
         outputs = (replace(outputs[0], monitor=None),)
@@ -63,26 +60,25 @@ def _mask_is_there(output: Output) -> bool:
 
 
 def found(text: str, where: str) -> Monitor:
-    """The monitor that is meant; PersonError, beginning with `where` that was said, with those there are."""
+    """Return the monitor; raise PersonError, which begins with `where` and lists the monitors, if it is missing."""
     with named(where):
         try:
             return find_place(text)
         except UnknownMonitor as error:
-            raise PersonError(str(error), "plug it in, or name another one") from None
+            raise PersonError(str(error), "connect it, or name another one") from None
 
 
 class OutputKeeping:
-    """Writes one output after the other. `keep` belongs to the main thread."""
+    """Saves outputs and values to the venue's file in a thread, one after the other. `keep`: call in the main thread."""
 
     def __init__(self, venue: str | None, told: Callable[[str], None]) -> None:
-        """`venue`: its name; without one nothing can be kept. `told` hears in words what became of it, from any
-        thread."""
+        """`venue`: its name; without one nothing is saved. `told` is called with the result in words, in any thread."""
         self._venue, self._told = venue, told
         self._turn = threading.Lock()
         self._threads: list[threading.Thread] = []
 
     def keep(self, output: Output) -> None:
-        """Let this output be as it is now from the next start on."""
+        """Save the output to the venue."""
 
         def text(path: Path, venue: str) -> str:
             from live.show.venue.venue_output_writer import changed_output
@@ -92,7 +88,7 @@ class OutputKeeping:
         self._begin(text)
 
     def keep_values(self, values: Mapping[str, Mapping[str, object]]) -> None:
-        """Let the venue say these values, by table and key, from the next start on."""
+        """Save values, by table and key, to the venue."""
 
         def text(path: Path, venue: str) -> str:
             from live.show.venue.venue import changed_venue
@@ -103,7 +99,7 @@ class OutputKeeping:
 
     def _begin(self, text: Callable[[Path, str], str]) -> None:
         if self._venue is None:
-            self._told("not kept: start with --venue NAME")
+            self._told("not saved: start with --venue NAME")
             return
         self._threads = [one for one in self._threads if one.is_alive()]
         self._threads.append(threading.Thread(target=self._write, args=(text, self._venue), name="venue"))
@@ -120,36 +116,36 @@ class OutputKeeping:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_whole(text.encode(), path, "--venue")
         except (PersonError, OSError) as error:
-            self._told(f"NOT KEPT: {error}; Enter tries again")
+            self._told(f"NOT SAVED: {error}; Enter tries again")
         except Exception as error:
-            FAULTS.note("the keeping of outputs", error)
-            self._told(f"NOT KEPT: {type(error).__name__}: {error}; Enter tries again")
+            FAULTS.note("saving outputs", error)
+            self._told(f"NOT SAVED: {type(error).__name__}: {error}; Enter tries again")
         else:
-            self._told(f"kept in {path}")
+            self._told(f"saved in {path}")
 
     def wait(self) -> None:
-        """Wait until all is written."""
+        """Wait until all changes are written."""
         for thread in self._threads:
             thread.join()
 
 
 GUESS = ((0.25, 0.45), (0.75, 0.45), (0.95, 0.9), (0.05, 0.9))
-"""Where the corners are put while the camera does not see all of them: they are to be measured anyway."""
+"""Initial corners, as shares of the picture, if the camera does not see all of them."""
 WITHIN = 0.48
-"""They must not be farther from the picture's middle, or nobody could take hold of them."""
+"""Largest distance of seen corners from the picture's centre per axis, so that the pointer can reach them."""
 DIGITS = 5
 
 
 class FloorKeeping:
-    """`corners` and `keep` belong to the main thread."""
+    """The floor's corners in the picture: reading and saving. Call `corners` and `keep` in the main thread."""
 
     def __init__(self, session: Session, keeping: OutputKeeping, size: Callable[[], tuple[int, int]]) -> None:
-        """`size`: of the picture [pixels]."""
+        """`size` returns the picture's size [pixels]."""
         self._session, self._keeping, self._size = session, keeping, size
         self._kept: tuple[Point, ...] | None = None
 
     def corners(self) -> tuple[Point, ...]:
-        """The floor's corners in the picture, as they were kept last, or as the camera sees them now."""
+        """Return the floor's corners as saved last, or as the camera sees them now."""
         projector = None if self._session.venue is None else self._session.venue.projector
         if self._kept is not None:
             return self._kept
@@ -159,16 +155,18 @@ class FloorKeeping:
         return seen_corners(None if row is None else camera_of(row), self._stage, self._size())
 
     def keep(self, corners: Sequence[Point]) -> str:
-        """Let the picture be seen from the projector's place, with the floor there, and put it into the venue's file;
-        why not, in words, if that cannot be, else nothing."""
+        """Match the camera to the projector and these floor corners, and save them to the venue.
+
+        Return the reason in words if that fails, else an empty text.
+        """
         venue = self._session.venue
         if venue is None or venue.projector is None:
-            return "NOT KEPT: say in the venue's file where the lens is: [projector] at = [x, y, z], in metres"
+            return "NOT SAVED: set the lens position in the venue's file: [projector] at = [x, y, z], in metres"
         width, height = self._size()
         try:
             camera = matched(venue.projector.at, corners, self._stage, width / height)
         except PersonError as error:
-            return f"NOT KEPT: {error}"
+            return f"NOT SAVED: {error}"
         self._kept = tuple((float(x), float(y)) for x, y in corners)
         for address, value in camera_values(camera).items():
             values = list(value) if isinstance(value, tuple) else [value]
@@ -186,13 +184,13 @@ class FloorKeeping:
 
 
 def seen_corners(camera: Camera | None, stage: tuple[float, float], size: tuple[int, int]) -> tuple[Point, ...]:
-    """Where a camera sees the corners of a floor, as shares of its picture; a guess where it does not."""
+    """Return a floor's corners as shares of a camera's picture; `GUESS` if it does not see all of them."""
     if camera is None:
         return GUESS
     floor = [(x, 0.0, z) for x, z in floor_corners(*stage)]
     forward = np.subtract(camera.target, camera.eye)
     if min(float(np.dot(np.subtract(corner, camera.eye), forward)) for corner in floor) <= 0.0:
-        return GUESS  # one lies behind it
+        return GUESS  # a corner is behind the camera
     places = pixel_of(camera, size, floor) / size
     if not (np.isfinite(places).all() and np.abs(places - 0.5).max() < WITHIN):
         return GUESS

@@ -1,4 +1,4 @@
-"""Practice: some measures of the score again and again, and slower."""
+"""Practice mode: loops some measures of the score, optionally at a slower tempo."""
 
 from live.app.launch_options import Wish
 from live.base.errors import PersonError
@@ -12,16 +12,16 @@ FASTEST = 400.0
 
 
 def practice_tempo(wish: Wish, loaded: LoadedShow) -> float | None:
-    """The tempo [bpm] of practice: that of the patch's music, clock or `--bpm`, times the share that is asked for."""
+    """Return the practice tempo [bpm]: that of `--bpm`, the patch's music or its clock, times `--tempo-share`."""
     patch = loaded.patch
     tempo = (wish.bpm or patch.music.bpm or patch.clock.bpm) * (wish.tempo_share or 1.0)
     if not SLOWEST <= tempo <= FASTEST:
-        raise PersonError(f"--tempo-share: that makes {tempo:g} bpm; {SLOWEST:g} to {FASTEST:g} can be danced")
+        raise PersonError(f"--tempo-share: it gives {tempo:g} bpm; {SLOWEST:g} to {FASTEST:g} bpm are possible")
     return tempo
 
 
 def practice_events(wish: Wish, show: Show) -> list[ControlEvent]:
-    """What the show is told at its start; PersonError for measures that its score does not have."""
+    """Return the events that start practice; raise PersonError for measures that the score does not have."""
     if wish.measures is None:
         return []
     first, last = wish.measures

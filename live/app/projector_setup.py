@@ -1,7 +1,4 @@
-"""The projectors of a running show are set up: joined to its keys, its cards, and the venue that keeps them.
-
-Setting up projectors while a show is loaded: test cards, points moved by mouse and keys, and what of it is kept.
-"""
+"""Setup of projectors during a show: test cards, warp points moved by mouse and keys, and saving to the venue."""
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
@@ -24,31 +21,31 @@ CARD_KEY: Final = "f8"
 EDIT_KEY: Final = "f9"
 STEP: Final = 1.0
 LARGE_STEP: Final = 10.0
-"""Pixels by which an arrow moves a point, and with shift."""
+"""Pixels by which an arrow key moves a point; the larger one with shift."""
 _ARROWS: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "up": (0.0, -1.0), "down": (0.0, 1.0)}
 _HELP: Final = (
     "drag a point, or Tab and arrows (shift: 10 px)",
     "M corners or mesh   + - its points   R straighten   U undo   F8 test card",
-    "P the real floor's corners   Enter keep   F9 done",
+    "P the real floor's corners   Enter save   F9 done",
 )
 _FLOOR_HELP: Final = (
-    "let this light lie on that corner of the real floor: drag it, or Tab and arrows (shift: 10 px)",
-    "R as before   U undo   Enter keep   P back to bending   F9 done",
+    "place this point on that corner of the real floor: drag it, or Tab and arrows (shift: 10 px)",
+    "R reset   U undo   Enter save   P back to warping   F9 done",
 )
 
 
 class Floor(Protocol):
-    """Who knows where the real floor lies in the picture."""
+    """Source and store of the real floor's corners in the picture."""
 
     def corners(self) -> tuple[Point, ...]:
-        """Its corners as shares of the whole picture."""
+        """Return the corners as shares of the whole picture."""
 
     def keep(self, corners: Sequence[Point]) -> str:
-        """Let them be there for good; why not, in words, if that cannot be."""
+        """Save the corners; return the reason in words if that fails, else an empty text."""
 
 
 class OutputSetup:
-    """What the operator does to the outputs; the show goes on meanwhile. Thread: main thread only."""
+    """Test cards and warp editing by the operator while the show runs. Thread: main thread only."""
 
     def __init__(
         self,
@@ -60,38 +57,40 @@ class OutputSetup:
         *,
         joins: bool = False,
     ) -> None:
-        """`keep` is told every output that shall be as it is now for good; `refuse` what was asked for in vain; `ask`
-        the output and the card that a key calls: the show hears it, so that it is remembered, and then `hear` does.
-        `floor`: where the real floor lies in the picture; `joins`: an audience may join, and there is a card for it."""
+        """`keep` saves an output; `refuse` receives refusals in words; `floor`: corners of the real floor.
+
+        `ask` receives the output and the test card chosen by a key. It sends an event, so that the show stores the
+        card; the event then comes back to `hear`. `joins`: an audience may join, so there is a card with the link.
+        """
         self._projection, self._keep, self._refuse, self._ask = projection, keep, refuse, ask
         self._floor = floor
         self._edited: Screen | None = None
         self._joins = joins
         self.kept = ""
-        """What became of what was kept, in words; empty before anything was."""
+        """Result of the last save, in words; empty before the first."""
 
-    # -- from afar ---------------------------------------------------------------------------------------------
+    # -- events ------------------------------------------------------------------------------------------------
 
     def hear(self, event: ControlEvent) -> None:
-        """An event that the show has heard: test cards are asked for so."""
+        """Handle the event that shows a test card."""
         if not isinstance(event, ShowCard):
             return
         name, card = event.output.strip().casefold(), event.card.strip().casefold()
         screens = self._named(name)
         known = next((each for each in CARDS if each == card), None)
         if known is None:
-            self._refuse(f"{event.source}: no test card is called {event.card!r}; there are: {', '.join(CARDS)}")
+            self._refuse(f"{event.source}: there is no test card {event.card!r}; test cards: {', '.join(CARDS)}")
         elif known == JOIN and not self._joins:
-            self._refuse(f"{event.source}: nobody can join: start the show with --audience")
+            self._refuse(f"{event.source}: no audience can join: start the show with --audience")
         elif not screens:
             names = ", ".join(one.output.name for one in self._projection.screens)
-            self._refuse(f"{event.source}: no output is called {event.output!r}; there are: {names}")
+            self._refuse(f"{event.source}: there is no output {event.output!r}; outputs: {names}")
         else:
             for screen in screens:
                 screen.card = known
 
     def recall(self, cards: Mapping[str, str]) -> None:
-        """The cards that another engine showed: of those there are not, it was told then."""
+        """Show the cards that the engine before showed; ignore unknown ones, which that engine has reported."""
         for name, wanted in cards.items():
             card = next((each for each in CARDS if each == wanted), None)
             for screen in self._named(name) if card is not None else ():
@@ -101,7 +100,7 @@ class OutputSetup:
         return [one for one in self._projection.screens if name in ("*", one.output.name.casefold())]
 
     def facts(self) -> list[dict[str, Any]]:
-        """For the status: every output, where it is thrown, and whether it shows the picture."""
+        """Return name, monitor, size and state of every output for the status."""
         return [
             {
                 "name": screen.output.name,
@@ -114,10 +113,10 @@ class OutputSetup:
             for screen in self._projection.screens
         ]
 
-    # -- at the windows ----------------------------------------------------------------------------------------
+    # -- window input ------------------------------------------------------------------------------------------
 
     def act(self, screen: Screen, value: WindowInput) -> bool:
-        """Whether an input at a window was meant for this, and not for the show."""
+        """Handle an input at a window; return whether it was for the setup and not for the show."""
         if isinstance(value, KeyPressed):
             taken = self._key(screen, value)
         else:
@@ -138,7 +137,7 @@ class OutputSetup:
         return self._edited is not None and self._edit(self._edited, key)
 
     def _choose(self, screen: Screen) -> None:
-        """Edit the output at whose window the key was pressed; at the operator's own, one after the other."""
+        """Edit the output in whose window the key was pressed; in the operator's window, each output in turn."""
         screens, before = self._projection.screens, self._edited
         self.done()
         if screen in screens:
@@ -151,7 +150,7 @@ class OutputSetup:
             after.edit(True)
 
     def done(self) -> None:
-        """Be done with editing; what is bent by then is kept."""
+        """End editing and save the changes."""
         if self._edited is not None:
             self._save(self._edited)
             self._edited.edit(False)
@@ -188,7 +187,7 @@ class OutputSetup:
         return True
 
     def _point_at_floor(self, screen: Screen, floor: Floor) -> None:
-        """From bending to the real floor's corners, or back; what was moved by then is kept."""
+        """Switch between warping and the real floor's corners; save changes before."""
         self._save(screen)
         if isinstance(screen.editing, FloorEditing):
             screen.edit(True)
@@ -223,7 +222,7 @@ class OutputSetup:
             editing.is_changed = False
 
     def _tell(self, screen: Screen) -> None:
-        """The words over the output that is edited."""
+        """Update the help text over the edited output."""
         editing = screen.editing
         if editing is None:
             return
@@ -237,7 +236,7 @@ class OutputSetup:
 
 
 def set_up(session: Session, picture: Projection, anew: bool) -> OutputSetup:
-    """How projectors are set up; `anew`: they may be bent otherwise by now than when the windows were opened."""
+    """Make the projector setup of a session; `anew`: read warps again, as they may have changed since opening."""
     if anew:
         with contextlib.suppress(PersonError):
             for screen, output in zip(

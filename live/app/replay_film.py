@@ -1,4 +1,4 @@
-"""The film of a journal: last night's show, in any size, with the sound it had."""
+"""Rendering of a recorded journal to a film with its music."""
 
 import contextlib
 import math
@@ -33,16 +33,16 @@ def film_replay(
     fine: bool = False,
     alpha: bool = False,
 ) -> Replayed:
-    """Film a journal from measure `first` to the end of `to` (from 1), comparing hashes on the way.
+    """Render a journal from measure `first` to the end of `to` (from 1), comparing its hashes.
 
-    The sound is the music that was played from a file, if it was, with click and taps as the patch says. `alpha`: the
-    dancers without their stage, on nothing. A damaged line ends the film; PersonError for what cannot be made.
+    The sound is the music file of the show, if there was one, with click and taps as in the patch. `alpha`: dancers
+    without stage on a transparent background. A damaged line ends the film. Raise PersonError if rendering fails.
     """
     running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
     running.advance_to(first)
     show, begin = running.show, running.tick * TICK
     if running.over:
-        raise PersonError(f"{journal.path}: measure {first} is not in it; it ends in measure {show.span.number + 1}")
+        raise PersonError(f"{journal.path}: it has no measure {first}; it ends in measure {show.span.number + 1}")
     music = _music(journal)
     heard = film_sound(music)
     mixed = mixed_sound(loaded, show, heard, begin=begin)
@@ -77,7 +77,7 @@ def film_replay(
 
 
 def _music(journal: Journal) -> Music | None:
-    """The music that was played from a file; PersonError if that is not there any more."""
+    """Read the journal's music file; None if there was none. Raise PersonError if the file is missing."""
     name = journal.header.get("music")
     if name is None:
         return None
@@ -88,7 +88,7 @@ def _music(journal: Journal) -> Music | None:
 
 
 def _from(music: Music | None, begin: float) -> FilmSound | None:
-    """The music alone, from `begin` [s] of the show on."""
+    """Return the music alone, from `begin` [s] of the show."""
     if music is None:
         return None
     return FilmSound.of(music.samples, music.sample_rate, start=begin, loop=True)

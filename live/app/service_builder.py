@@ -1,4 +1,4 @@
-"""What runs beside a show: everything that command line, venue and patch ask for, made and joined to the show."""
+"""Builder of a show's services from command line, venue and patch."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,9 +26,9 @@ from live.show.venue.venue import Venue
 
 @dataclass
 class Beside:
-    """A show and what it is to be joined to; `parts` is what has been made so far, none of it started.
+    """Makes services and connects them to the show; `parts` holds those made so far, not started.
 
-    Every method raises PersonError for what cannot be.
+    Every method raises PersonError if a service cannot be made.
     """
 
     wish: Wish
@@ -39,11 +39,11 @@ class Beside:
     status: Status
     telling: Telling
     goes_on: bool = False
-    """Whether the show goes on after an engine that has ended."""
+    """Whether the show is resumed after an engine that has ended."""
     parts: Parts = field(default_factory=Parts)
 
     def music(self) -> None:
-        """Click and Ableton Link."""
+        """Add click and Ableton Link."""
         show = self.engine.show
         click = make_click(self.wish.click, self.wish.click_channels, self.venue, show, self.clock)
         if click is not None:
@@ -59,7 +59,7 @@ class Beside:
             self.status.more["link"] = link.status
 
     def midi(self, patch: Path, begun: int) -> OnMidi:
-        """MIDI ports, and a MIDI file. `patch`: the patch's file; `begun`: the tick after which the show goes on."""
+        """Add MIDI ports and a MIDI file. `patch`: the patch's file; `begun`: the last tick before a resumed show."""
         midi = make_midi(self.wish, self.engine.show, self.venue, self.inbox, self.clock, patch)
         self.parts.add(midi)
         if self.wish.midi_file is not None:
@@ -74,7 +74,7 @@ class Beside:
         return midi
 
     def osc(self) -> None:
-        """The musicians' port, what others are told, the hall's lamps, OSCQuery."""
+        """Add the musicians' port, OSC output, DMX and OSCQuery."""
         wish, show, parts = self.wish, self.engine.show, self.parts
         if wish.osc_musicians is not None:
             port = MusiciansPort(*wish.osc_musicians, self.inbox.lane(rank=RANKS["musician"]), self.clock)
@@ -100,7 +100,7 @@ class Beside:
             self.status.more["oscquery"] = query.status
 
     def bodies(self) -> None:
-        """Real dancers who come in, trackers, and dancers who go out to other programs."""
+        """Add motion capture of real dancers, trackers, and avatars for other programs."""
         vmc = make_vmc(self.wish, self.engine.show, self.venue, self.inbox.lane(), self.clock)
         if vmc is not None:
             self.parts.add(vmc)
@@ -119,11 +119,11 @@ class Beside:
 
     @property
     def _hosts(self) -> tuple[str, ...]:
-        """Names by which this machine is reached beside its addresses."""
+        """Host names of this machine besides its addresses."""
         return self.wish.web_hosts + (() if self.venue is None else self.venue.web.hosts)
 
     def pages(self) -> None:
-        """The operator's page and the audience's."""
+        """Add the operator's web page and the audience's phones."""
         wish, show = self.wish, self.engine.show
         if wish.web is not None:
             page = WebPart(wish.web, wish.web_key, wish.osc, show, self.clock, hosts=self._hosts)

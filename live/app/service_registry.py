@@ -1,9 +1,4 @@
-"""Parts: what runs beside a show (Link, click, MIDI, OSC, its audience): one row that starts, follows and ends.
-
-Telling: what everything in the show is now, for those outside who ask or listen, so many times a second.
-
-Watches: what is edited while a show runs: its patch's files, and the steps of its own folder.
-"""
+"""Registry of a show's services, publisher of the show's values, and watches on edited files."""
 
 import threading
 from collections import Counter, deque
@@ -26,56 +21,59 @@ from live.show.telemetry import Readable
 from live.show.venue.venue import Latencies
 
 FIRST_PAUSE: Final = 0.5
-"""Seconds after which a part that was refused is tried again at first; each pause is twice the last one."""
+"""First pause [s] before a service that failed to start is tried again; each pause is twice the one before."""
 LONGEST_PAUSE: Final = 8.0
 
 
 class Part(Protocol):
-    """Something beside the show that has a device or a network of its own."""
+    """Service of a show with its own device or network port."""
 
     def start(self) -> None:
-        """Open what it needs; PersonError if that is refused."""
+        """Open device or port; raise PersonError if that fails."""
         ...
 
     def stop(self) -> None:
-        """Let go of it; whether it was started or not."""
+        """Close device or port; may be called without `start`."""
         ...
 
     def frame(self) -> None:
-        """After each frame: how the show runs."""
+        """Update the service after each frame."""
         ...
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         ...
 
 
 class Parts:
-    """The parts of one show, in the order in which they start. Thread: the one that runs the show."""
+    """The services of one show, in the order in which they start. Thread: the show's."""
 
     def __init__(self) -> None:
         self._parts: list[Part] = []
-        self._late: deque[Part] = deque()  # started since by the thread that tries again
+        self._late: deque[Part] = deque()  # started later by the retry thread
         self._over = threading.Event()
         self._retry: threading.Thread | None = None
         self.bulkhead = Bulkhead()
-        """Keeps errors of each part away from the frame and from the others."""
+        """Isolates errors of each service from the frame and from the other services."""
         self.refused: list[Callable[[], Counter[str]]] = []
-        """What was refused by parts that refuse, by reason."""
+        """Functions that return the number of refused inputs by reason, one per service."""
         self.early: list[Callable[[], None]] = []
-        """What is done before each frame: taking up what shall act in it."""
+        """Functions called before each frame, to receive input for it."""
         self.audience: AudiencePart | None = None
-        """The one that the audience's phones play through, if they may."""
+        """The service for phones, if there is one."""
         self.refusals: list[Callable[[], str]] = []
-        """The last refusal of each of them, in words."""
+        """Functions that return the last refusal in words, one per service."""
 
     def add(self, part: Part) -> None:
-        """One more; before `start`."""
+        """Add a service; call before `start`."""
         self._parts.append(part)
 
     def start(self, *, forgiving: bool = False) -> None:
-        """Start all of them; the first that refuses ends it. `forgiving`: a show that is gone on with is not ended by a
-        part that cannot go on; it is left out, told, and where its port or host was refused tried again and again."""
+        """Start all services; the first failure is raised.
+
+        `forgiving`, for a resumed show: a service that fails is reported and left out. After a PersonError (a port or
+        host that is not available) it is tried again in a thread.
+        """
         refused = []
         for part in list(self._parts):
             name = f"the start of {name_of(part.start)}"
@@ -95,7 +93,7 @@ class Parts:
             self._retry.start()
 
     def _start_late(self, refused: list[tuple[str, Part]]) -> None:
-        """Thread: its own. Somebody else has the port for a while, or nobody knows the host yet."""
+        """Retry services whose port is still in use or whose host is not known yet. Thread: its own."""
         pause = FIRST_PAUSE
         while refused and not self._over.wait(pause):
             pause = min(2.0 * pause, LONGEST_PAUSE)
@@ -112,19 +110,19 @@ class Parts:
                 refused.remove((name, part))
 
     def before_frame(self) -> None:
-        """Before each frame."""
+        """Receive input, before each frame."""
         for take in self.early:
             self.bulkhead.call(f"{name_of(take)}, before a frame", take)
 
     def frame(self) -> None:
-        """After each frame."""
+        """Update all services, after each frame."""
         while self._late:
             self._parts.append(self._late.popleft())
         for part in self._parts:
             self.bulkhead.call(name_of(part.frame), part.frame)
 
     def stop(self) -> None:
-        """Stop all of them, for good: nothing is sent or played from here any more."""
+        """Stop all services for good."""
         self._over.set()
         if self._retry is not None:
             self._retry.join()
@@ -135,34 +133,34 @@ class Parts:
 
 
 EVERY: Final = 0.05
-"""Seconds from look to look."""
+"""Interval [s] between two readings of the values."""
 
 
 class Telling:
-    """Between the show and its ports. Thread: the one that runs the show."""
+    """Publishes changed values of the show to services, at a limited rate. Thread: the show's."""
 
     def __init__(self, show: Show, status: Status, latencies: Latencies) -> None:
         self._readable = Readable(show, status)
         self._next = 0.0
         self._calls = Bulkhead()
         self.to: list[Callable[[Changes], None]] = []
-        """Told what has another value."""
+        """Functions called with changed values."""
         for what in ("input", "output", "display", "projector"):
             self._readable.more[f"/dance/latency/{what}"] = partial(_milliseconds, latencies, what)
 
     def know(self, address: str, tell: Callable[[], Plain | None]) -> None:
-        """Another part knows what there is at an address."""
+        """Register a function that returns the value at an address."""
         self._readable.more[address] = tell
 
     def frame(self, time: float) -> None:
-        """After each frame, at `time` [s]."""
+        """Publish changed values, after each frame, at `time` [s]."""
         if time < self._next:
             return
         self._next = time + EVERY
         changes = self._readable.changes()
         if changes:
             for tell in self.to:
-                self._calls.call(f"{name_of(tell)}, which tells values", tell, changes)
+                self._calls.call(f"{name_of(tell)}, publishing values", tell, changes)
 
 
 def _milliseconds(latencies: Latencies, what: str) -> float | None:
@@ -173,9 +171,9 @@ def _milliseconds(latencies: Latencies, what: str) -> float | None:
 def make_watches(
     loaded: LoadedShow, show: Show, *, post: Callable[[ControlEvent], None], now: Callable[[], float]
 ) -> tuple[PatchWatch, LibraryWatch | None]:
-    """On the patch, and on its steps if they lie in a folder; the first is to be started, and minds the other.
+    """Return watches on the patch and, if its steps are in a folder, on the steps; start only the first.
 
-    Takes that are recorded meanwhile join the dance.
+    The patch watch runs the other one. Steps recorded during the show are added to it.
     """
     folder, library = loaded.steps_folder, None
     if folder is not None:

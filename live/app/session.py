@@ -1,9 +1,4 @@
-"""Session: a show with everything it listens to and writes; made here, driven by the window or a bare loop.
-
-What an operator without the overlay must know while the show runs: what was refused, and what has joined.
-
-What the parts of a running show have to tell: what was refused, what is wrong, what has joined.
-"""
+"""Session of a live show: engine, audio, services, records and notices; driven by a window or headless loop."""
 
 import contextlib
 import gc
@@ -44,32 +39,32 @@ if TYPE_CHECKING:
 
 
 PERIOD_S: Final = 1.0
-"""Seconds between two looks: whoever floods the inputs fills a terminal with a line a second, no faster."""
+"""Interval [s] between checks, which limits the notices on the terminal if the inputs are flooded."""
 Words = Callable[[], str]
 
 
 class News:
-    """Says what is new in words that change, by a thread of its own: a stuck terminal holds no show up.
+    """Prints notices when they change, in its own thread, so that a blocked terminal does not delay the show.
 
-    Thread: `look` is called by the thread alone once it runs; `refused` may be read by any.
+    Thread: once it runs, only its own thread calls `look`; `refused` may be read from any thread.
     """
 
     def __init__(self, refusals: Sequence[Words], others: Sequence[Words], say: Callable[[str], None]) -> None:
-        """Each of `refusals` is the last refusal of one part, of `others` its last news; empty if there is none."""
+        """Each of `refusals` returns the last refusal of one service, each of `others` a notice; empty if none."""
         self._refusals, self._others, self._say = refusals, others, say
         self._before = [""] * (len(refusals) + len(others))
         self.refused = ""
-        """The last refusal of all parts: the one whose words have changed last."""
+        """The last refusal of all services: the one that changed last."""
         self._calls = Bulkhead()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="news", daemon=True)
 
     def start(self) -> None:
-        """Begin to look."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End, and say what is new since the last look."""
+        """Stop the thread, and print the latest changes."""
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
@@ -77,9 +72,9 @@ class News:
             self.look()
 
     def look(self) -> None:
-        """Look once, and say what has changed."""
+        """Check once, and print changes."""
         for index, words in enumerate([*self._refusals, *self._others]):
-            now, before = self._calls.call(f"what {name_of(words)} has to tell", words) or "", self._before[index]
+            now, before = self._calls.call(f"notices of {name_of(words)}", words) or "", self._before[index]
             if now == before:
                 continue
             self._before[index] = now
@@ -90,7 +85,7 @@ class News:
                 self._say(f"refused: {now}" if refusal else now)
 
     def _run(self) -> None:
-        keep_running("the news on the terminal", self._look_on, self._ended.wait)
+        keep_running("notices on the terminal", self._look_on, self._ended.wait)
 
     def _look_on(self) -> None:
         while not self._ended.wait(PERIOD_S):
@@ -108,13 +103,13 @@ def session_news(
     journal: Callable[[], str] = lambda: "",
     more: Sequence[Callable[[], str]] = (),
 ) -> News:
-    """Tells on the terminal what is refused and what joins: with `--headless` there is no overlay that does.
+    """Return the terminal's notices of refusals, problems and new steps; with `--headless` there is no overlay.
 
-    `listens`: a device that is listened to, if there is one; `more`: last refusals of others.
+    `listens`: the input device, if there is one; `more`: last refusals of further services.
     """
     console = Console(stderr=True, highlight=False)
     refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.words, *more]
-    before = FAULTS.news()  # of another show in this process, if there was one
+    before = FAULTS.news()  # left from another show in this process
 
     def faults() -> str:
         news = FAULTS.news()
@@ -150,9 +145,9 @@ class Session:
         self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None, *,
         lifeline: Lifeline | None = None, resumed: Resumed | None = None,
     ) -> None:  # fmt: skip
-        """Everything is made, nothing is started; PersonError for what cannot be.
+        """Make everything without starting it; raise PersonError if something fails.
 
-        `lifeline`: to the supervisor, if there is one; `resumed`: the show that is gone on with.
+        `lifeline`: link to the supervisor, if there is one; `resumed`: the show to resume.
         """
         self.latencies = Latencies.of(venue)
         tempo = start_tempo(wish, loaded, sound)
@@ -166,7 +161,7 @@ class Session:
         self.show: Show = show
         self.clock = SystemClock(None if resumed is None else resumed.origin)
         self.processor: Clock = ProcessorClock()
-        """What this thread uses of the processor."""
+        """CPU time of this thread."""
         self._processor_at = 0.0
         self.inbox: Inbox[ControlEvent] = Inbox()
         for event in practice_events(wish, show) if resumed is None else ():
@@ -184,7 +179,7 @@ class Session:
             refusal=lambda: self.news.refused,
         )
         self._tempo = tempo
-        stall = max(STALL, 3.0 / wish.film_fps)  # a slow rate is no stall
+        stall = max(STALL, 3.0 / wish.film_fps)  # a low frame rate is not a stall
         self.engine = Engine(
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
         )
@@ -198,7 +193,7 @@ class Session:
         self.status.notes.append(FAULTS.problem)
         self.engine.outward.append(self._tell_devices)
         self.pressure = Pressure()
-        """How hard it is to keep up, for whoever can draw less."""
+        """Load measure, for code that can draw less."""
         self.status.more["pressure"] = lambda: round(self.pressure.value, 3)
         self.status.more["out_of_service"] = lambda: dict(show.breakers.why)
         self.status.notes.append(lambda: "   ".join(show.breakers.words()))
@@ -231,15 +226,15 @@ class Session:
 
     @property
     def audience(self) -> AudiencePart | None:
-        """What the audience's phones play through; None if they may not."""
+        """The service for the audience's phones; None if there is none."""
         return self._parts.audience
 
     @contextlib.contextmanager
     def running(self) -> Iterator["Session"]:
-        """Start everything, and stop it again. Automatic garbage collection rests meanwhile.
+        """Start everything, and stop it at the end. Automatic garbage collection is off meanwhile.
 
-        Where a supervisor watches, an end that nobody asked for is a crash: nothing is closed, for another engine goes
-        on at once. Everything here is such that a process may end at any moment.
+        Under a supervisor an unrequested end is a crash: nothing is closed, because another engine resumes the show at
+        once. The process may end at any moment.
         """
         wished = False
         try:
@@ -263,7 +258,7 @@ class Session:
             yield self
             wished = True
         except BaseException as error:
-            refused = isinstance(error, PersonError) and not self.status.frames  # what was asked for cannot be
+            refused = isinstance(error, PersonError) and not self.status.frames  # wrong options, no crash
             wished = self.lifeline is None or self.lifeline.may_leave
             if self.lifeline is not None and not wished and not refused:
                 self.lifeline.crash(error)
@@ -276,7 +271,7 @@ class Session:
             self._stop(ended=wished)
 
     def _catch_up(self, resumed: Resumed) -> None:
-        """Dance what fell into the time in which nobody did: the show comes out where it would have been."""
+        """Run the ticks missed since the engine before ended, so that the show continues at its present time."""
         for what, seconds in resumed.latencies.items():
             self.latencies.set(what, seconds)
         self.engine.lead = self.latencies.lead
@@ -284,14 +279,14 @@ class Session:
         self.engine.run_to(self.clock.now() + self.engine.lead)
 
     def _tell_devices(self, event: ControlEvent) -> None:
-        """Events that concern the sound device and the venue's delays, not the dance."""
+        """Handle events that concern the audio device and the venue's delays."""
         if isinstance(event, SetLatency):
             self.latencies.set(event.what, event.seconds)
             self.engine.lead = self.latencies.lead
         self._audio.tell(event)
 
     def before_frame(self) -> None:
-        """What other processes heard since the last frame; a frame's own time begins here."""
+        """Receive input from other processes, before each frame, and start measuring its CPU time."""
         self._processor_at = self.processor.now()
         self._calls.call("the sound", self._audio.frame)
         self._calls.call("the OSC port", self.osc.frame)
@@ -304,13 +299,13 @@ class Session:
         self._records.tell()
 
     def after_frame(self, started: float, previous: float) -> None:
-        """Housekeeping after a frame: figures, the status line, and garbage of the youngest generation."""
+        """Update statistics, services and records after a frame, and collect the youngest garbage generation."""
         self.status.work_times.add(self.clock.now() - started)
         self.status.processor_times.add(self.processor.now() - self._processor_at)
         self.status.frame_times.add(started - previous)
         self.pressure.frame(self.status.late_frames, started - previous, self.overload)
         self._parts.frame()
-        self._calls.call("telling values", self._telling.frame, started)
+        self._calls.call("publishing values", self._telling.frame, started)
         self._calls.call("the records", self._records.frame, started)
         if self.lifeline is not None:
             self.lifeline.frame(self.engine.ticks.index)
@@ -319,16 +314,16 @@ class Session:
         gc.collect(0)
 
     def _go_dark(self) -> None:
-        """Another machine leads: nothing is shown, sent or played here any more."""
+        """Stop picture, services and audio, because another machine leads."""
         self.engine.dark = True
         self._parts.stop()
         self._audio.silence()
 
     @property
     def overload(self) -> float:
-        """How much too much the machine has to do, 0 to 1, as the supervisor feels it; 0 without one."""
+        """Overload of the machine, 0 to 1, as measured by the supervisor; 0 without one."""
         return 0.0 if self.lifeline is None else float(self.lifeline.facts.get("overload", 0.0))
 
     def finished(self, time: float) -> bool:
-        """Whether `--seconds` are over."""
+        """Whether the time limit of `--seconds` is reached."""
         return self.wish.seconds is not None and time >= self.wish.seconds

@@ -1,8 +1,6 @@
-"""SessionAudio: the sound of a running show, in this process, or in one of its own where a supervisor has one.
+"""Audio of a show: choice of source, construction, starting tempo, and the running source.
 
-What a show listens to or plays: chosen from the command line, the venue and the patch, and made.
-
-Starting tempo: at which a show begins, by what was asked for and what is heard.
+The source is an input device or a music file. It runs in this process, or in a separate one under a supervisor.
 """
 
 from collections import deque
@@ -36,41 +34,41 @@ if TYPE_CHECKING:
 
 
 class AudioSource(Protocol):
-    """An audio source that has been made and waits to be started."""
+    """Audio input or player."""
 
     def start(self) -> None:
-        """Begin to listen or to play."""
+        """Start to listen or to play."""
         ...
 
     def stop(self) -> None:
-        """End, and free the device."""
+        """Stop and free the device."""
         ...
 
     def facts(self) -> dict[str, Any]:
-        """What the operator is told of it."""
+        """Return the values for the status line."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Sound:
-    """What the clock follows: a music file, an input device by name, or nothing (the internal clock)."""
+    """Choice of audio source: a music file, an input device by name, or nothing (the internal clock)."""
 
     music: Music | None = None
     device: str | None = None
     known: bool = False
-    """True if the patch tells the music's tempo and first downbeat: it is the patch's own music."""
+    """True for the patch's own music, whose tempo and first downbeat are in the patch."""
     channels: str = "1,2"
-    """Which channels of the device."""
+    """Channels of the device."""
     output: str | None = None
-    """The output that music is played to; None: the default."""
+    """Output device for music; None: the default."""
     path: Path | None = None
     """The music's file."""
 
 
 def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -> Sound:
-    """What `--audio` and `--bpm` ask for, else the venue's device, else the patch's music.
+    """Choose the source of `--audio` and `--bpm`, else the venue's device, else the patch's music.
 
-    PersonError that lists what there is.
+    Raise PersonError, which lists the devices, if the source does not exist.
     """
     audio = None if venue is None else venue.audio
     output = None if audio is None else audio.output
@@ -80,7 +78,7 @@ def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -
         _channels(channels)
     if wish.audio is not None:
         if wish.tempo_share is not None:
-            words = "--tempo-share is for the internal clock: what is heard has a tempo of its own"
+            words = "--tempo-share is for the internal clock: audio has its own tempo"
             raise PersonError(words, "leave out --audio or --tempo-share")
         path = Path(wish.audio)
         if is_file(path):
@@ -102,7 +100,7 @@ def _channels(words: str) -> "Channels":
 
 
 def _device(name: str, asked: str, what: str = "") -> str:
-    """The whole name of a device."""
+    """Return the full name of a device."""
     from live.control.audio.devices import SoundUnavailable, UnknownDevice, find_device
 
     try:
@@ -121,10 +119,10 @@ def _music(path: Path) -> Music:
 
 
 def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
-    """Makes analyses with the patch's tracker, who are told what is set by hand in this show.
+    """Return a factory of analyses with the patch's tracker and this show's manual settings of the beat.
 
-    Each takes the place of the one before (a device that came back, another rate, an analysis that failed): what was
-    set by hand holds on.
+    Each analysis replaces the one before (a device that came back, another sample rate, a failed analysis) and keeps
+    the manual settings.
     """
     seeds: deque[Seed] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
@@ -132,7 +130,7 @@ def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
 
 
 def analyses(tracker: "TrackerName", seeds: deque[Seed]) -> "MakeAnalysis":
-    """Makes analyses with that tracker, each in the place of the one before; `seeds`: what it is told by hand."""
+    """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings."""
     from live.control.audio.analysis import AudioAnalysis
 
     former: AudioAnalysis | None = None
@@ -149,7 +147,7 @@ def analyses(tracker: "TrackerName", seeds: deque[Seed]) -> "MakeAnalysis":
 
 
 def sound_plan(sound: Sound, loaded: LoadedShow) -> dict[str, Any]:
-    """What another process needs to know to listen or to play, as plain values."""
+    """Return the settings with which another process listens or plays, as plain values."""
     return {
         "music": None if sound.path is None else str(sound.path.resolve()),
         "device": sound.device,
@@ -163,7 +161,7 @@ def sound_plan(sound: Sound, loaded: LoadedShow) -> dict[str, Any]:
 def make_audio(
     sound: Sound, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: Inbox[ControlEvent], clock: Clock
 ) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
-    """The source of a show, and what is to be told the events that concern it."""
+    """Return the source of a show, and the handler for events that concern it."""
     if sound.music is not None:
         from live.control.audio.music_player import MusicPlayer
 
@@ -180,7 +178,7 @@ def make_audio(
                 one_at=one_at,
                 analysis=analysis_for(loaded, show),
             )
-        except ValueError as error:  # an output that is named and not there
+        except ValueError as error:  # the named output does not exist
             raise PersonError(f"the venue's audio.output: {error}") from None
 
         def to_player(event: ControlEvent) -> None:
@@ -205,7 +203,7 @@ def make_audio(
         listener.latency = latencies.input
         listener.act(event)
         if isinstance(event, RestartAudio) and show.follower.on_seed is not None:
-            # by hand is anew: what the tracker was told is void, but for what the patch says
+            # a restart by hand discards manual settings; only those of the patch are sent again
             show.follower.on_seed(Seed("forget", event.time))
             show.seed_tracker(show.follower.on_seed)
 
@@ -213,19 +211,19 @@ def make_audio(
 
 
 class SessionAudio:
-    """What is listened to or played, if anything is. Thread: the one that runs the show."""
+    """Audio source of a running show, if there is one. Thread: the show's."""
 
     def __init__(
         self, sound: Sound, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: Inbox[ControlEvent],
         clock: SystemClock, *, lifeline: Lifeline | None, resumed: Resumed | None,
     ) -> None:  # fmt: skip
-        """It is made, not started; PersonError for what cannot be."""
+        """Make the source without starting it; raise PersonError if that fails."""
         self._sound = sound
         self._remote: RemoteAudio | None = None
         self.source: AudioSource | None
-        """The source; None for a show that listens to nothing and plays nothing."""
+        """The source; None for a show without audio."""
         self.tell: Callable[[ControlEvent], None]
-        """Is to be told the events that concern the sound."""
+        """Handler for events that concern the audio."""
         there = None if lifeline is None else lifeline.sound
         if there is None or (sound.music is None and sound.device is None):
             self.source, self.tell = make_audio(sound, loaded, show, latencies, inbox, clock)
@@ -236,48 +234,48 @@ class SessionAudio:
 
     @property
     def listens(self) -> AudioSource | None:
-        """The source, where it is a device that is listened to."""
+        """The source if it is an input device, else None."""
         return self.source if self._sound.device is not None else None
 
     @property
     def level(self) -> float | None:
-        """RMS of what an input device hears; None where nothing is heard."""
+        """RMS level of the input device; None without one."""
         return getattr(self.source, "level", None)
 
     @property
     def begun(self) -> float | None:
-        """When the sound of another process began [s of the show]; None for sound of this one."""
+        """Start time of the audio process [s of the show]; None for audio in this process."""
         return None if self._remote is None else self._remote.begun
 
     def start(self) -> None:
-        """Begin to listen or to play; PersonError if that is refused."""
+        """Start to listen or to play; raise PersonError if that fails."""
         if self.source is None:
             return
         try:
             self.source.start()
         except PersonError:
             raise
-        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+        except Exception as error:  # PortAudioError; its class exists only with PortAudio installed
             raise device_refuses(error, "--audio", self._sound.device) from None
 
     def frame(self) -> None:
-        """Before each frame: what another process heard since the last one."""
+        """Receive the audio process' messages, before each frame."""
         if self._remote is not None:
             self._remote.frame()
 
     def silence(self) -> None:
-        """Another process shall play and listen no more: another machine leads."""
+        """Stop the audio process, because another machine leads."""
         if self._remote is not None:
             self._remote.silence()
 
     def stop(self) -> None:
-        """End, and free the device."""
+        """Stop and free the device."""
         if self.source is not None:
             self.source.stop()
 
 
 def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
-    """The tempo [bpm] to begin with; None if the patch's music is played and its own tempo and downbeat hold."""
+    """Return the starting tempo [bpm]; None if the patch's music is played, which has its own tempo and downbeat."""
     if wish.practises:
         return practice_tempo(wish, loaded)
     if wish.bpm is not None:

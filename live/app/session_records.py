@@ -1,7 +1,4 @@
-"""Records: what a running show writes down: its journal, and a line of figures a second.
-
-Memory: how much of the machine's this process holds.
-"""
+"""Records of a running show: its journal and its status file."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,12 +19,12 @@ from live.supervisor.supervisor_link import Lifeline
 
 
 class Records:
-    """The journal goes to the supervisor, where there is one; its disk is there. Thread: the one that runs the show."""
+    """Journal and status file of a show. With a supervisor, the supervisor writes the journal. Thread: the show's."""
 
     def __init__(
         self, wish: Wish, loaded: LoadedShow, sound: Sound, *, lifeline: Lifeline | None, resumed: Resumed | None
     ) -> None:
-        """Nothing is written yet; `resumed`: the show that is gone on with, whose records are."""
+        """Write nothing yet. `resumed`: the show that is resumed and whose records already exist."""
         self._wish, self._loaded, self._sound = wish, loaded, sound
         self._lifeline, self._resumed = lifeline, resumed
         self._journal: JournalWriter | None = None
@@ -35,7 +32,7 @@ class Records:
         self._status_file: StatusFile | None = None
 
     def open_status(self, status: Status) -> None:
-        """Begin the lines of figures, if they are asked for; PersonError if they cannot be written."""
+        """Open the status file, if there is to be one; raise PersonError if it cannot be written."""
         if self._wish.status_json is None:
             return
         try:
@@ -46,10 +43,10 @@ class Records:
     def open_journal(
         self, engine: Engine, status: Status, *, tempo: float | None, origin: float, begun: float | None
     ) -> None:
-        """Begin the journal, last of all: a start that is refused leaves an old one of its name where it is.
+        """Open the journal. Call this last, so that a failed start does not replace an older journal of that name.
 
-        `tempo` [bpm]: what the show began with; `origin` [s of perf_counter]: of its clock; `begun` [s of the show]:
-        when its sound did.
+        `tempo` [bpm]: the starting tempo; `origin` [s of perf_counter]: of the show's clock; `begun` [s of the show]:
+        when the sound began.
         """
         header = self._loaded.header(engine.show, tempo=tempo, music=self._sound.path)
         if self._lifeline is not None:
@@ -68,45 +65,45 @@ class Records:
         engine.journal = self._journal
 
     def problem(self) -> str:
-        """What is wrong with the journal."""
+        """Return the problem with the journal; empty if there is none."""
         if self._journal is None:
             return ""
         disk = {} if self._lifeline is None else self._lifeline.facts.get("disk", {})
         return self._journal.problem or trouble_of(disk)
 
     def frame(self, time: float) -> None:
-        """After a frame that began at `time` [s]: the figures, and what was sealed for the supervisor."""
+        """Write the status and flush the journal to the supervisor, after a frame that began at `time` [s]."""
         if self._status_file is not None:
             self._status_file.frame(time)
         if self._relay is not None:
             self._relay.flush()
 
     def close(self, tick: int, time: float, *, ended: bool = True) -> None:
-        """Write what waits: the last `tick`, and the figures of `time` [s]. `ended`: the show has, as it should."""
+        """Write the last `tick` and the status of `time` [s]. `ended`: the show has ended normally."""
         if self._journal is not None:
             self._journal.close(tick, ended=ended)
         if self._status_file is not None:
             self._status_file.close(time)
 
     def warnings(self) -> list[str]:
-        """What went wrong and did not stop the show, in words."""
+        """Return the problems that did not stop the show, in words."""
         told = []
         if self._journal is not None and self._journal.kept is not None:
-            told.append(f"the journal that was there is now {self._journal.kept}")
+            told.append(f"the older journal is now {self._journal.kept}")
         if self._journal is not None and self._journal.dropped:
-            told.append(f"{self._journal.dropped} lines of the journal could not be written: a replay leaves a gap")
+            told.append(f"{self._journal.dropped} lines of the journal could not be written: a replay has a gap")
         if self._status_file is not None and self._status_file.dropped:
             told.append(f"{self._status_file.dropped} status lines could not be written")
         return told
 
     def tell(self) -> None:
-        """Tell the warnings on the terminal."""
+        """Print the warnings on the terminal."""
         console = Console(stderr=True, highlight=False)
         for warning in self.warnings():
             console.print(f"note: {warning}", style="yellow", soft_wrap=True, markup=False)
 
 
 def resident_megabytes() -> Callable[[], float]:
-    """A function that tells this process' resident memory [MB]."""
+    """Return a function that measures this process' resident memory [MB]."""
     process = psutil.Process()
     return lambda: float(process.memory_info().rss / 1e6)

@@ -1,4 +1,4 @@
-"""The text of a systemd user unit that plays a show, and how words are written in one (systemd.syntax(7))."""
+"""Writer for the systemd user unit that plays a show, with quoting as in systemd.syntax(7)."""
 
 import os
 import re
@@ -12,9 +12,9 @@ from live.base.errors import PersonError
 
 NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]{0,39}")
 PLACES: Final = ("PYTHONPATH", "LIVE_CACHE_DIR", "LIVE_CONFIG_DIR", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "PULSE_SERVER")
-"""What is kept of the environment in which the service is installed, ..."""
+"""Environment variables copied into the unit when the service is installed."""
 SCREEN: Final = ("DISPLAY", "WAYLAND_DISPLAY", "XAUTHORITY")
-"""... and of a show with a window."""
+"""Further variables copied for a show with a window."""
 OWN_JOURNAL: Final = "--journal"
 
 UNIT: Final = """\
@@ -28,17 +28,17 @@ StartLimitBurst=30
 Type=exec
 ExecStart={command}
 WorkingDirectory={folder}
-{environment}# Whatever ends the supervisor but a person and an ordinary end of the show: it is begun again.
+{environment}# Start again after any end of the supervisor except by a user or by the ordinary end of the show.
 Restart=on-failure
 RestartSec=200ms
-{steps}# 2: an error in the command line, which another start does not mend; 130, 143, 129: SIGINT, SIGTERM, SIGHUP.
+{steps}# 2: an error in the command line, where another start fails too; 130, 143, 129: SIGINT, SIGTERM, SIGHUP.
 RestartPreventExitStatus=2
 SuccessExitStatus=130 143 129
-# The engine outlives the supervisor, and the next supervisor takes it over; when the service is stopped, the supervisor
-# ends all in order.
+# The engine outlives a supervisor that crashes, and the next supervisor adopts it. When the service is stopped, the
+# supervisor ends all processes in order.
 KillMode=process
 TimeoutStopSec=60
-# One process that was killed because memory is short is the supervisor's to replace.
+# If the kernel kills one process because memory is short, the supervisor replaces it.
 OOMPolicy=continue
 
 [Install]
@@ -48,31 +48,31 @@ WantedBy={wanted_by}
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A show that the user's systemd plays."""
+    """A show that runs as a systemd user service."""
 
     name: str
     arguments: Sequence[str]
-    """Of `live play`."""
+    """Arguments of `live play`."""
     folder: Path
-    """In which the command runs."""
+    """The working directory of the command."""
     headless: bool
     environment: Mapping[str, str]
 
     def __post_init__(self) -> None:
-        """PersonError for a name that is none."""
+        """Raise PersonError for an invalid name."""
         check_name(self.name)
 
     @property
     def unit(self) -> str:
-        """The name of its unit."""
+        """The name of the unit."""
         return unit_name(self.name)
 
     def command(self) -> list[str]:
-        """What systemd runs."""
+        """Return the command line that systemd runs."""
         return [sys.executable, "-m", "live", "play", "--service", self.name, *self.arguments]
 
     def text(self, *, version: int) -> str:
-        """The unit; `version`: of systemd, for what is newer."""
+        """Return the unit's text. `version`: of systemd, because some settings need a newer one."""
         names = PLACES if self.headless else (*PLACES, *SCREEN)
         kept = [
             f"Environment={word(f'{name}={self.environment[name]}')}\n" for name in names if name in self.environment
@@ -91,12 +91,12 @@ class Service:
 
 
 def unit_name(name: str) -> str:
-    """The unit of the service of that name."""
+    """Return the unit name of the service."""
     return f"live-{check_name(name)}.service"
 
 
 def check_name(name: str) -> str:
-    """A service's name; PersonError for what cannot be one."""
+    """Return the name of a service; raise PersonError if it is invalid."""
     if NAME.fullmatch(name) is None:
         raise PersonError(
             f"the service's name {name!r}: 1 to 40 of a-z, 0-9, - and _ expected, a letter or digit first",
@@ -106,7 +106,7 @@ def check_name(name: str) -> str:
 
 
 def name_for(patch: str | None) -> str:
-    """A name for the service of a patch."""
+    """Return a default service name for a patch."""
     stem = "first-show" if patch is None else Path(patch).stem
     if stem == "show" and patch is not None:
         stem = Path(patch).resolve().parent.name
@@ -114,7 +114,7 @@ def name_for(patch: str | None) -> str:
 
 
 def word(text: str, *, command: bool = False) -> str:
-    """One word as systemd reads it again; `command`: in a command line, where $ means something, too."""
+    """Quote one word for systemd; `command`: for a command line, where $ is special too."""
     text = _plain(text).replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%")
     if command:
         text = text.replace("$", "$$")
@@ -122,13 +122,13 @@ def word(text: str, *, command: bool = False) -> str:
 
 
 def _plain(text: str) -> str:
-    """A text without characters that no line of a unit can hold; PersonError otherwise."""
+    """Return the text; raise PersonError if it has characters that a line of a unit cannot hold."""
     if any(ord(mark) < 32 or ord(mark) == 127 or 0xD800 <= ord(mark) < 0xE000 for mark in text):
-        raise PersonError(f"{text!r}: a control character, or bytes that are no text, cannot be in a unit of systemd")
+        raise PersonError(f"{text!r}: a systemd unit cannot contain control characters or bytes that are not text")
     return text
 
 
 def units_folder() -> Path:
-    """Where the user's units lie."""
+    """Return the folder of the user's systemd units."""
     base = os.environ.get("XDG_CONFIG_HOME", "")
     return (Path(base) if os.path.isabs(base) else Path.home() / ".config") / "systemd" / "user"

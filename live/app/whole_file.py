@@ -1,4 +1,4 @@
-"""Files that a command writes: whole or not at all."""
+"""Atomic writing of files."""
 
 import os
 from pathlib import Path
@@ -7,7 +7,7 @@ from live.base.errors import PersonError
 
 
 def write_whole(data: bytes, to: Path, option: str) -> int:
-    """Write the file beside its place and move it there; its size in bytes. PersonError names the option."""
+    """Write a temporary file next to `to` and rename it; return its size in bytes. PersonError names the option."""
     unfinished = to.with_name(f".{to.name}.{os.getpid()}.tmp")
     try:
         unfinished.write_bytes(data)

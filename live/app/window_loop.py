@@ -1,9 +1,4 @@
-"""The show in a window: the frame loop, and a film of it if asked for.
-
-Picture: the windows that a show is seen in, as a command line and a venue ask for them.
-
-Takers: who takes the pictures of a running show beside its window: a film, other programs.
-"""
+"""Frame loop of a show in windows, with recording and sharing of its picture."""
 
 import time
 from typing import TYPE_CHECKING
@@ -34,14 +29,14 @@ if TYPE_CHECKING:
 
 
 class Picture(Projection):
-    """A projection that a command line opened."""
+    """The windows of a show, opened from command line and venue."""
 
     @classmethod
     def opened(
         cls, wish: Wish, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False,
         venue: "Venue | None" = None,
     ) -> "Picture":  # fmt: skip
-        """Open its windows; `hidden`: they are seen only when they are revealed. PersonError if there can be none."""
+        """Open the windows; `hidden`: they are invisible until revealed. Raise PersonError if that fails."""
         places = places_of(wish, venue, monitor=monitor, fullscreen=fullscreen, hidden=hidden)
         try:
             return cls(scene, places)
@@ -49,7 +44,7 @@ class Picture(Projection):
             raise PersonError(str(error)) from None
 
     def rehearse(self, show: Show) -> None:
-        """Draw a picture that nobody sees, so that the driver has compiled everything before it counts."""
+        """Draw one invisible picture, so that the driver compiles everything before the show."""
         view = show.view()
         show.fill(view, 0.0)
         self.renderer.draw(view, self.pictures.next)
@@ -57,12 +52,15 @@ class Picture(Projection):
 
 
 class Takers:
-    """All of them; none costs nothing. Thread: the main thread, which owns the OpenGL context."""
+    """Consumers of the drawn pictures besides the window: recording and sharing.
+
+    Thread: the main thread, which owns the OpenGL context.
+    """
 
     def __init__(
         self, session: Session, ctx: moderngl.Context, size: tuple[int, int], *, sharing: LiveSharing | None = None
     ) -> None:
-        """As was wished for; PersonError if one cannot be made. `sharing`: made already, and not ended here."""
+        """Make those of the launch options; raise PersonError if one fails. `sharing`: already made, closed elsewhere."""
         self._lent = sharing
         wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
         self._calls = Bulkhead()
@@ -77,29 +75,29 @@ class Takers:
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether there is at least one."""
         return bool(self._all)
 
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
-        """The picture just drawn at `time` [s of the show]."""
+        """Pass on the picture just drawn at `time` [s of the show]."""
         for each in self._all:
             self._calls.call(name_of(each.frame), each.frame, framebuffer, time)
 
     def close(self, console: Console) -> None:
-        """End them, and say what became of each."""
+        """Close them, and print the result of each."""
         for each in self._all:
             if each is not self._lent:
                 each.close(console)
 
 
 PACE_ABOVE = 1.05
-"""At the display's own rate the loop's pace lies so much above it, so that vertical synchronisation sets it."""
+"""Factor of the loop's rate over the display's, so that vertical synchronisation sets the pace."""
 
 
 def play_in_window(
     session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console
 ) -> None:
-    """Run the show in its windows until one is closed or its seconds are over."""
+    """Run the show in its windows until one is closed or the time limit is reached."""
     picture = Picture.opened(session.wish, scene, monitor=monitor, fullscreen=fullscreen, venue=session.venue)
     try:
         play_picture(session, scene, picture, console=console)
@@ -111,8 +109,10 @@ def play_picture(
     session: Session, scene: Scene, picture: Picture, *, console: Console, reveal: bool | None = None,
     sharing: LiveSharing | None = None,
 ) -> None:  # fmt: skip
-    """Run the show in windows that are open; `reveal`: they are hidden, show them now, full screen or not. `sharing`:
-    the picture is shared already, by who stood by."""
+    """Run the show in open windows.
+
+    `reveal`: the windows are hidden; show them now, in full screen (True) or not. `sharing`: already made by a standby.
+    """
     takers: Takers | None = None
     try:
         takers = Takers(session, picture.window.ctx, picture.size, sharing=sharing)
@@ -162,7 +162,7 @@ def _frames(
         watch.times.mark("draw")
 
     rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
-    display = rate == window.monitor.refresh_hz  # its swap paces the loop
+    display = rate == window.monitor.refresh_hz  # the buffer swap paces the loop
     if display:
         rate = min(rate * PACE_ABOVE, 1000.0)
     pacer = Pacer(rate, session.clock.now, time.sleep)

@@ -1,4 +1,4 @@
-"""Operator: keys and pointer at the show's window."""
+"""Handler for the operator's keys and pointer in the show's window."""
 
 import math
 from dataclasses import replace
@@ -24,11 +24,11 @@ from live.render.window.window_input import (
 from live.show.patch.section_score import formation_names
 
 LONGEST_STROKE = 4096
-"""Points of a stroke that are kept while it is drawn."""
+"""Maximum number of points that a stroke keeps."""
 
 
 class Operator:
-    """What the operator does at the window becomes events, or changes the window itself."""
+    """Converts window input of the operator to events, or changes the window itself."""
 
     def __init__(self, session: Session, window: Projection, scene: Scene) -> None:
         self._session = session
@@ -39,10 +39,10 @@ class Operator:
         self._stroke: list[tuple[float, float]] = []
         self._shift = False
         self.leaving = False
-        """Whether the window was asked to close."""
+        """Whether the window is to be closed."""
 
     def act(self, value: WindowInput, now: float) -> None:
-        """One input at `now` [s of the show]."""
+        """Handle one input at `now` [s of the show]."""
         match value:
             case KeyPressed():
                 self._key(value, now)
@@ -91,8 +91,7 @@ class Operator:
             self._session.inbox.put(event)
 
     def _escape(self, now: float) -> None:
-        """Nothing is learned after all; else never out of a full-screen show: in a window it closes like the window's
-        own button."""
+        """Cancel MIDI learning; else close the window, except in full screen."""
         if self._session.midi.learning.waits_for:
             self._session.inbox.put(LearnMidi(time=now, source="key", address=""))
         else:
@@ -121,10 +120,10 @@ class Operator:
             self._session.inbox.put(replace(event, anew=event.anew and not drag))
 
     def _let_go(self, now: float) -> None:
-        """A stroke is finished: what it draws begins to act."""
+        """Finish a stroke: send its event."""
         stroke, self._stroke = self._stroke, []
         if self._tool in (next(iter(TOOLS)), WALKED):
-            return  # it has acted all the while
+            return  # these tools have sent events during the stroke
         event = event_for_stroke(self._tool, stroke, self._shift, now)
         if event is not None:
             self._session.inbox.put(event)

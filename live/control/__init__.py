@@ -1,4 +1,4 @@
-"""Control reads what people and machines send, within bounds, and hands it over as events.
+"""Inputs and outputs other than pictures: input from people and machines is validated and turned into events.
 
-It may import `motion`, `clock` and `base`, and knows neither `render` nor the simulation.
+It may import `motion`, `clock` and `base`, but neither `render` nor the simulation.
 """

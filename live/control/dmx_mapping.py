@@ -1,7 +1,7 @@
-"""Chart: which channel of the hall's lamps follows what, and what it is now.
+"""Mapping from show values and events to DMX channels.
 
-Flashes (beat, measure, steps, feet) are full when it happens and fade in a straight line. Values of the registry take
-their whole range; the light level goes with blackout, so that the hall's lamps do, too.
+Flashes (beat, measure, steps, feet) start at full value and fade linearly. Registry values are scaled to their full
+range. The light level is 0 during blackout, so the hall's lights go dark too.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ BLACKOUT: Final = "/dance/blackout"
 
 
 def widths_of(sends: str) -> int:
-    """How many channels this takes when it is not fine; 0 if nothing is called that."""
+    """Return the number of channels of this source when it is not 16-bit; 0 if there is no such source."""
     if sends in SENDS:
         return 4 if sends == "dancer" else 1
     control = REGISTRY.find(sends)
@@ -32,7 +32,8 @@ def widths_of(sends: str) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One row of the chart: from `channel` (from 1) on; `beats`: how long a flash is seen."""
+    """One row of the channel map, starting at `channel` (from 1). `beats`: how long a flash fades; `fine`: 16-bit
+    values."""
 
     channel: int
     sends: str
@@ -48,11 +49,14 @@ USUAL: Final = (
     Channel(15, "/dance/light/ambient"), Channel(16, "/dance/light/side"),
     *(Channel(17 + 4 * n, "dancer", dancer=n + 1) for n in range(16)),
 )  # fmt: skip
-"""The chart of a patch that has none."""
+"""The channel map of a patch without one."""
 
 
 class Chart:
-    """What all channels are. `half` [m]: half the stage, at whose edges a dancer's channels are 0 and full."""
+    """Current values of all channels.
+
+    `half` [m]: half the stage; at its edges a dancer's channels are 0 and full.
+    """
 
     def __init__(self, channels: Sequence[Channel], half: tuple[float, float]) -> None:
         self._channels, self._half = tuple(channels), half
@@ -62,21 +66,21 @@ class Chart:
         self._row = np.zeros(CHANNELS, np.uint8)
 
     def take_values(self, changes: Changes) -> None:
-        """These have new values; of one that groups have each their own the first counts."""
+        """Store new registry values. Of a value that differs between groups, the first counts."""
         for address, rows in changes.items():
             if rows and not any(isinstance(value, str) for value in rows[0][1]):
                 self._values[address] = tuple(float(value) for value in rows[0][1])
 
     def take_places(self, rows: npt.NDArray[np.float32]) -> None:
-        """Rows (number from 1, x, z, heading) of all dancers who are there."""
+        """Store the positions of all dancers on stage: rows (number from 1, x, z, heading)."""
         self._places = {int(row[0]): (row[1], row[2]) for row in rows.tolist()}
 
     def flash(self, what: str, beat: float, strength: float = 1.0) -> None:
-        """It happens at this beat, so strongly (0 to 1)."""
+        """Start a flash at this beat with this strength (0 to 1)."""
         self._flash[what] = (beat, min(max(strength, 0.0), 1.0))
 
     def row(self, timeline: Timeline, now: float) -> npt.NDArray[np.uint8]:
-        """All channels (512,) at `now` [s]; the same array at each call."""
+        """Return all channels (512,) at `now` [s]; every call returns the same array."""
         beat = timeline.beat_at(now)
         self._row[:] = 0
         for channel in self._channels:
@@ -92,7 +96,7 @@ class Chart:
         return self._row
 
     def _shares(self, channel: Channel, timeline: Timeline, beat: float) -> list[float]:
-        """Its numbers, 0 to 1."""
+        """Return the values of one source, 0 to 1."""
         match channel.sends:
             case "beat":
                 return [_fading(beat % 1.0, channel.beats)]

@@ -1,6 +1,6 @@
-"""DmxOut: what the show tells the hall's lamps, so many times a second, over sACN (E1.31) or Art-Net.
+"""DMX output over sACN (E1.31) or Art-Net at a fixed rate.
 
-Run as a module it is a process of its own (`Helper`); the packets are those of the packages sacn and stupidartnet.
+Run as a module, it is a helper process (`Helper`). The packages sacn and stupidartnet build the packets.
 """
 
 import gc
@@ -21,7 +21,7 @@ from live.control.dmx_mapping import Channel, Chart
 from live.control.helper_process import Told
 
 RATE: Final = 40.0
-"""Rows a second: near the 44 that DMX itself carries at most."""
+"""Frames per second: close to DMX's maximum of 44."""
 FIGURES_EVERY: Final = 1.0
 SACN_PORT: Final = 5568
 ARTNET_PORT: Final = 6454
@@ -30,7 +30,8 @@ NAME: Final = "ChoreoGraphics Live"
 
 @dataclass(frozen=True, slots=True)
 class Universe:
-    """Where a row goes: `host` may be empty for sACN, which then goes to everybody of its universe (multicast)."""
+    """Destination of the channel values. With an empty `host`, sACN goes to all receivers of the universe
+    (multicast)."""
 
     protocol: Literal["sacn", "artnet"]
     number: int
@@ -39,14 +40,14 @@ class Universe:
 
 
 class Sender(Protocol):
-    """What sends a row of 512 bytes; OSError if the network refuses it."""
+    """Sender of 512 channel bytes; raises OSError if the network refuses them."""
 
     def send(self, row: npt.NDArray[np.uint8]) -> None: ...
     def close(self) -> None: ...
 
 
 class SacnSender:
-    """A universe over sACN."""
+    """Sender of a universe over sACN."""
 
     def __init__(self, to: Universe) -> None:
         from sacn import DataPacket
@@ -59,16 +60,16 @@ class SacnSender:
         self._packet = DataPacket(tuple(secrets.token_bytes(16)), NAME, to.number, (0,) * 512)
 
     def send(self, row: npt.NDArray[np.uint8]) -> None:
-        """Send a row."""
+        """Send one frame of channel values."""
         self._packet.dmxData = tuple(row.tolist())
         self._socket.sendto(bytes(self._packet.getBytes()), self._to)
         self._packet.sequence_increase()
 
     def close(self) -> None:
-        """Say that no more comes, and end."""
+        """Send the end of the stream and close."""
         self._packet.option_StreamTerminated = True
         try:
-            for _ in range(3):  # as E1.31 asks
+            for _ in range(3):  # E1.31 requires three packets
                 self._socket.sendto(bytes(self._packet.getBytes()), self._to)
                 self._packet.sequence_increase()
         except OSError:
@@ -77,7 +78,7 @@ class SacnSender:
 
 
 class ArtnetSender:
-    """A universe over Art-Net."""
+    """Sender of a universe over Art-Net."""
 
     def __init__(self, to: Universe) -> None:
         from stupidArtnet import StupidArtnet
@@ -87,21 +88,21 @@ class ArtnetSender:
         self._sender.socket_client.setblocking(False)
 
     def send(self, row: npt.NDArray[np.uint8]) -> None:
-        """Send a row; not by its own `show`, which hides what the network refuses."""
+        """Send one frame. The library's own `show` is not used because it hides network errors."""
         self._sender.socket_client.sendto(bytes(self._sender.packet_header) + row.tobytes(), self._to)
 
     def close(self) -> None:
-        """End."""
+        """Close the socket."""
         self._sender.close()
 
 
 def sender_of(to: Universe) -> Sender:
-    """What sends to a universe; OSError if there is no network."""
+    """Return a sender for a universe; OSError if there is no network."""
     return SacnSender(to) if to.protocol == "sacn" else ArtnetSender(to)
 
 
 class DmxOut:
-    """What the lamps are told and when. Thread: one."""
+    """Scheduler of the DMX frames. Thread: one."""
 
     def __init__(self, chart: Chart, senders: Sequence[Sender]) -> None:
         self._chart, self._senders = chart, senders
@@ -109,7 +110,7 @@ class DmxOut:
         self.sent = self.failed = 0
 
     def take(self, told: tuple[str, Any], now: float) -> None:
-        """Take up something from the show: what `OscOut` takes, and `values`."""
+        """Handle a packet from the show: the same kinds as `OscOut`, and `values`."""
         what, value = told
         if what == "timeline":
             self._timeline = Timeline(*value)
@@ -126,7 +127,7 @@ class DmxOut:
                     self._chart.flash("feet", beat, values[4])
 
     def turn(self, now: float) -> None:
-        """Send a row; what the network refuses is counted."""
+        """Send one frame; frames that the network refuses are counted."""
         if self._timeline is None:
             return
         row = self._chart.row(self._timeline, now)
@@ -139,7 +140,7 @@ class DmxOut:
 
 
 def main() -> None:
-    """Send until the show has gone."""
+    """Send until the show ends."""
     told = Told(int(sys.argv[1]))
     gc.disable()
     plan = told.plan

@@ -1,7 +1,7 @@
-"""Helper: a process beside the show's that is told things and never waited for; and its own end of that.
+"""Child process of the show with a non-blocking packet channel, and the child's end of that channel.
 
-Packets (`packet.py`) are whole, in a socket pair that the system ends with either process. What does not fit is left
-out and counted; a helper that has died is started again, and told anew what it has to know.
+Packets (see `message_codec`) go through a socket pair that closes when either process ends. A packet that does not fit
+is dropped and counted. A child that has died is restarted and gets its configuration again.
 """
 
 import contextlib
@@ -24,20 +24,24 @@ RESTART_AFTER: Final = 2.0
 ENDS_WITHIN: Final = 2.0
 PER_FRAME: Final = 8
 HELLO: Final = {"hello": True}
-"""What a process says first that is started by somebody else: it knows nothing yet."""
+"""First message of a process that the show did not start: it asks for the plan."""
 
 
 class Helper:
-    """The show's side. Thread: the one that runs the show; a restart begins in one of its own."""
+    """The show's end. Thread: the show's; a restart runs in a thread of its own."""
 
     def __init__(
         self, module: str, clock: Clock, plan: dict[str, Any], anew: Callable[[], None], *inherit: int,
         on: Callable[[Any], None] = lambda told: None, joined: int | None = None,
     ) -> None:  # fmt: skip
-        """`module` is run with what `Told` reads first: `plan`, and the origin of the clock; `anew`: a fresh one has to
-        be told everything; `inherit`: descriptors that it has under the same numbers; `on`: gets what it says that
-        is no facts, which are a dict. `joined`: the descriptor of a socket to a process that somebody else starts, and
-        starts again; it says `HELLO` then. Once nobody holds its other end any more, one is started here."""
+        """Configure the child; nothing is started yet.
+
+        `module` is run with `plan` and the clock's origin as its first packet. `anew` is called for each new child and
+        has to send all state. `inherit`: file descriptors that the child gets under the same numbers. `on` receives all
+        packets of the child other than facts, which are dicts. `joined`: descriptor of a socket to a process that
+        another program starts and restarts; such a process sends `HELLO`. When the other end of that socket is closed,
+        a child is started here.
+        """
         self._inherit, self._on, self._joined = inherit, on, joined
         self._module, self._clock, self._plan, self._anew = module, clock, plan, anew
         self._socket: socket.socket | None = None
@@ -46,18 +50,18 @@ class Helper:
         self._started_at = 0.0
         self._facts: dict[str, Any] = {}
         self.left_out = 0
-        """Packets for which there was no room."""
+        """Packets dropped for lack of room."""
         self.restarts = 0
         self.damaged = 0
-        """Packets of it that could not be read."""
+        """Packets from the child that could not be read."""
 
     @property
     def process(self) -> int | None:
-        """Its number; None while there is none."""
+        """The child's process id; None while there is none."""
         return None if self._process is None else self._process.pid
 
     def start(self) -> None:
-        """Start the process; it is ready some tenths of a second later, what it is told meanwhile waits."""
+        """Start the process. It is ready some tenths of a second later; packets sent meanwhile wait."""
         if self._joined is not None:
             self._socket = socket.socket(fileno=os.dup(self._joined))
             self._socket.setblocking(False)
@@ -70,7 +74,7 @@ class Helper:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                 pass_fds=[theirs.fileno(), *self._inherit],
-                start_new_session=True,  # Ctrl-C ends the show, and the show this
+                start_new_session=True,  # Ctrl-C ends the show, which then ends the child
             )  # fmt: skip
         self._socket, old = ours, self._socket
         if old is not None:
@@ -83,7 +87,7 @@ class Helper:
         self._anew()
 
     def send(self, what: object) -> bool:
-        """Tell something; whether there was room for it."""
+        """Send a packet; return whether there was room for it."""
         if self._socket is None:
             return False
         try:
@@ -94,7 +98,10 @@ class Helper:
         return True
 
     def frame(self, news: int = PER_FRAME) -> None:
-        """In each frame: take up what it says, of what is no facts so much, and start it again if it has died."""
+        """Receive the child's packets, and restart it if it has died; called once per frame.
+
+        At most `news` packets other than facts are handled.
+        """
         if self._socket is None or self._starting is not None:
             if self._starting is not None and not self._starting.is_alive():
                 self._starting = None
@@ -124,7 +131,7 @@ class Helper:
                     return
         else:
             return
-        lost = self._joined is not None  # nobody keeps that process any more: one of our own goes on
+        lost = self._joined is not None  # that process has no keeper any more: replace it by a child
         if lost or self._clock.now() - self._started_at > RESTART_AFTER:
             self._joined = None
             self.restarts += 1
@@ -133,14 +140,14 @@ class Helper:
 
     def _start_again(self) -> None:
         def again() -> None:
-            with contextlib.suppress(OSError):  # a system that has no room for one now is asked again
+            with contextlib.suppress(OSError):  # without resources now, the next frame tries again
                 self._reap()
                 self.start()
 
         run_once(f"the restart of {self._module}", again)
 
     def stop(self) -> None:
-        """End it."""
+        """Stop the child and close the channel."""
         if self._starting is not None:
             self._starting.join(ENDS_WITHIN)
         if self._socket is not None:
@@ -159,15 +166,15 @@ class Helper:
             process.wait()
 
     def facts(self) -> dict[str, Any]:
-        """What it said last, a second old, with what was left out."""
+        """Return the child's latest facts (about one second old), with dropped packets and restarts."""
         return {**self._facts, "left_out": self.left_out, "restarts": self.restarts}
 
 
 class Told:
-    """The helper's own end. Thread: one."""
+    """The child's end of the channel. Thread: one."""
 
     def __init__(self, descriptor: int, plan: dict[str, Any] | None = None) -> None:
-        """Waits for the plan; `plan`: this process has one, and whoever starts it is not the show."""
+        """Wait for the plan. A process that already has one, because the show did not start it, passes it as `plan`."""
         for number in (signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         self.socket = socket.socket(fileno=descriptor)
@@ -177,12 +184,12 @@ class Told:
         self.plan: dict[str, Any] = plan
         self.socket.setblocking(False)
         with contextlib.suppress(OSError):
-            os.nice(self.plan.get("nice", 2))  # the frame goes before
+            os.nice(self.plan.get("nice", 2))  # the show's frames have priority
         self.ended = False
-        """Whether the show has gone."""
+        """Whether the show has closed the channel."""
 
     def packets(self) -> Iterator[Any]:
-        """What has come."""
+        """Return the packets received so far."""
         while not self.ended:
             try:
                 data = self.socket.recv(LARGEST)
@@ -197,6 +204,6 @@ class Told:
                 yield read_packet(data)
 
     def say(self, facts: dict[str, Any]) -> None:
-        """How things are, for the status."""
+        """Send facts for the show's status."""
         with contextlib.suppress(OSError):
             self.socket.send(packet_of(facts))

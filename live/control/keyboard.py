@@ -1,7 +1,7 @@
-"""The operator's keys and pointer as data: one table for the window, the help text, the overlay and the README.
+"""Keyboard commands of the operator: one table for the window, the help text, the overlay and the README.
 
-Keys that change the show go through the same registry as OSC; the others (full screen, overlay) concern the window.
-Esc is not in the table: it must never end a show in full screen.
+Keys that change the show call the same registry as OSC. The others (full screen, overlay) concern the window only. Esc
+is not in the table: it must never end a show in full screen.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ SOURCE: Final = "key"
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """What a key does: `what` is the address of a control, or what the window does by itself."""
+    """Command of a key: `what` is a control's address, or a command of the window."""
 
     description: str
     what: Literal[
@@ -53,55 +53,55 @@ class Key:
     ]
 
     values: tuple[float, ...] = ()
-    """What the key gives to the control."""
+    """Arguments for the control."""
 
     @property
     def is_control(self) -> bool:
-        """Whether it changes the show (and so makes an event), not only the window."""
+        """Whether the key changes the show (and so makes an event), not only the window."""
         return self.what.startswith("/")
 
 
 KEYS: Final[dict[str, Key]] = {
     "Space": Key("tap the beat", "/dance/clock/tap"),
-    "1": Key("this is the one: a measure begins now", "/dance/clock/one"),
-    "Left": Key("the beats 10 ms earlier", "/dance/clock/nudge", (-0.01,)),
-    "Right": Key("the beats 10 ms later", "/dance/clock/nudge", (0.01,)),
-    ",": Key("the measure line a beat earlier", "/dance/clock/shift", (-1.0,)),
-    ".": Key("the measure line a beat later", "/dance/clock/shift", (1.0,)),
-    "J": Key("half a beat later: the off-beat is the beat", "/dance/clock/shift", (0.5,)),
+    "1": Key("downbeat: a measure begins now", "/dance/clock/one"),
+    "Left": Key("shift the beats 10 ms earlier", "/dance/clock/nudge", (-0.01,)),
+    "Right": Key("shift the beats 10 ms later", "/dance/clock/nudge", (0.01,)),
+    ",": Key("shift the measure line one beat earlier", "/dance/clock/shift", (-1.0,)),
+    ".": Key("shift the measure line one beat later", "/dance/clock/shift", (1.0,)),
+    "J": Key("shift half a beat later: off-beats become beats", "/dance/clock/shift", (0.5,)),
     "Down": Key("half tempo", "/dance/clock/half"),
     "Up": Key("double tempo", "/dance/clock/double"),
-    "Z": Key("freeze the tempo, and follow again", "/dance/clock/hold"),
-    "N": Key("count in: a measure, then the one", "/dance/clock/count_in"),
-    "M": Key("open the microphone (or line) anew; the dance goes on", "/dance/audio/restart"),
-    "B": Key("blackout, and back", "/dance/blackout"),
-    "F": Key("full screen, and back", "window/fullscreen"),
+    "Z": Key("freeze the tempo, or follow it again", "/dance/clock/hold"),
+    "N": Key("count in: one measure, then the downbeat", "/dance/clock/count_in"),
+    "M": Key("reopen the microphone (or line); the dance continues", "/dance/audio/restart"),
+    "B": Key("blackout on or off", "/dance/blackout"),
+    "F": Key("full screen on or off", "window/fullscreen"),
     "O": Key("overlay: tempo, beat, measure, frame times, dancers", "window/overlay"),
-    "G": Key("guides: where each dancer's agent is, where she is sent, which feet are held", "window/guides"),
+    "G": Key("guides: each dancer's agent and target, and locked feet", "window/guides"),
     "S": Key("spread over the stage", "/dance/spread"),
     "W": Key("wander", "/dance/wander"),
-    "K": Key("go as a flock", "/dance/flock"),
+    "K": Key("move as a flock", "/dance/flock"),
     "H": Key("hold: stay in place for four measures", "/dance/pause"),
     "C": Key("clear: all elements and evolutions end", "/dance/clear"),
-    "Enter": Key("GO: the cue that stands by", "/dance/go"),
-    "Backspace": Key("take back a cue that is counting in, or let the one before stand by", "/dance/back"),
-    "I": Key("hold score, fades and cues, and let them go on", "/dance/hold"),
-    "Delete": Key("panic: all that was added ends, the patch's own light, the score held", "/dance/panic"),
-    "Q": Key("show the code that the audience joins by, and hide it", "/dance/audience/qr"),
+    "Enter": Key("GO: the cue on standby", "/dance/go"),
+    "Backspace": Key("cancel a cue that is counting in, or put the previous cue on standby", "/dance/back"),
+    "I": Key("hold or resume score, fades and cues", "/dance/hold"),
+    "Delete": Key("panic: end everything added, restore the patch's light, hold the score", "/dance/panic"),
+    "Q": Key("show or hide the code for joining the audience", "/dance/audience/qr"),
     "E": Key("undo the last edit", "/dance/undo"),
-    "Y": Key("make it again", "/dance/redo"),
-    "F6": Key("fade the picture out within eight beats, and in again", "/dance/output/fade"),
-    "F7": Key("freeze the picture, and let it go on", "/dance/output/freeze"),
-    "F8": Key("the next test card, or the picture again", "window/card"),
-    "F9": Key("bend the picture on the projector, and be done with it", "window/edit"),
+    "Y": Key("redo the last undone edit", "/dance/redo"),
+    "F6": Key("fade the picture out or in within eight beats", "/dance/output/fade"),
+    "F7": Key("freeze or unfreeze the picture", "/dance/output/freeze"),
+    "F8": Key("next test card, or back to the picture", "window/card"),
+    "F9": Key("start or finish editing the projector warp", "window/edit"),
 }
-"""Keys by name: a letter or digit stands for itself, in upper case."""
+"""Keys by name; letters and digits are named by themselves, in upper case."""
 
 FADE_BEATS: Final = 8.0
-"""Beats in which the key fades the picture."""
+"""Duration of the key's picture fade [beats]."""
 
 FORMATION_KEYS: Final = "23456789"
-"""Keys that send everybody to the patch's formations, in their order; from the next measure, in four measures."""
+"""Keys that send all dancers to the patch's formations, in order: from the next measure on, in four measures."""
 
 
 def event_for_key(
@@ -115,10 +115,10 @@ def event_for_key(
     dark_now: bool = False,
     code_now: bool = False,
 ) -> ControlEvent | None:
-    """The event of a key pressed at `time` [s of the show]; None for keys that make none (unknown, or the window's).
+    """Return the event of a key pressed at `time` [s of the show]; None for unknown keys and keys of the window.
 
-    `blackout_now`, `held_now` (the tempo), `show_held_now`, `frozen_now` (the picture), `dark_now` (it is faded out, or
-    fades out), `code_now` (the code is shown): how those switches stand; their keys turn them over.
+    The other parameters give the present state of the switches that keys toggle: `held_now` (the tempo), `frozen_now`
+    (the picture), `dark_now` (faded out or fading out), `code_now` (the join code is shown).
     """
     key = KEYS.get(name.upper() if len(name) == 1 else name)
     if key is None or not key.is_control:
@@ -137,13 +137,13 @@ def event_for_key(
 
 
 def event_for_formation(name: str, *, time: float) -> ControlEvent | None:
-    """Everybody goes to the formation `name` from the next measure line on, in four measures."""
+    """Return the event that sends all dancers to formation `name` from the next measure on, in four measures."""
     result = REGISTRY.call("/dance/formation", (name, 4.0, "*", True), time, SOURCE)
     return result if isinstance(result, ControlEvent) else None
 
 
 def help_lines(formations: Sequence[str] = ()) -> list[str]:
-    """One line for each key, for the pointer's tools, and for the patch's `formations` that have a key."""
+    """Return help lines for the keys, the pointer's tools, and those of the patch's `formations` that have a key."""
     rows = [(name, key.description) for name, key in KEYS.items()]
     rows += [(key, f"formation {name}") for key, name in zip(FORMATION_KEYS, formations, strict=False)]
     rows += [(name, f"pointer: {tool.description}") for name, tool in TOOLS.items()]

@@ -1,7 +1,7 @@
-"""Packets between this program's own processes: values as MessagePack, and the dataclasses that are registered here.
+"""MessagePack codec for packets between this program's processes, with support for registered dataclasses.
 
-What comes out is data: plain values (sequences are tuples), and registered classes whose fields have the types of their
-annotations. Nothing is called or imported that a packet names.
+Decoded packets are data only: plain values (sequences are tuples), and registered classes with fields of their
+annotated types. A packet cannot cause a call or an import by name.
 """
 
 from collections.abc import Callable
@@ -16,18 +16,18 @@ from live.base.field_types import made_of
 Kind = TypeVar("Kind")
 
 _OBJECT: Final = 1
-"""MessagePack's extension type of an object: its name and its fields in their order."""
+"""MessagePack extension type of an object: its name, then its fields in order."""
 
 _names: dict[type, str] = {}
 _makers: dict[str, Callable[[tuple[Any, ...]], Any]] = {}
 
 
 class PacketError(ValueError):
-    """Bytes that are no packet, or a value that cannot be one; the message says why."""
+    """Bytes that are no packet, or a value that cannot be encoded; the message states the reason."""
 
 
 def registered(name: str) -> Callable[[type[Kind]], type[Kind]]:
-    """Dataclasses that this decorates may be in packets, by this name."""
+    """Return a decorator that registers a dataclass for packets under this name."""
 
     def register(cls: type[Kind]) -> type[Kind]:
         names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
@@ -42,13 +42,13 @@ def registered(name: str) -> Callable[[type[Kind]], type[Kind]]:
 
 
 def register_as(name: str, cls: type, make: Callable[[tuple[Any, ...]], Any]) -> None:
-    """Objects of `cls` may be in packets, by this name; `make` makes them of their fields, or raises ValueError."""
+    """Register `cls` for packets under this name; `make` builds an object from its fields, or raises ValueError."""
     _names[cls] = name
     _makers[name] = make
 
 
 def packet_of(value: object) -> bytes:
-    """A value as bytes; PacketError for one that holds something else than is registered."""
+    """Encode a value; PacketError for one that contains an unregistered type."""
     try:
         found: bytes = msgpack.packb(value, default=_packed)
     except (TypeError, ValueError, OverflowError) as error:
@@ -57,12 +57,12 @@ def packet_of(value: object) -> bytes:
 
 
 def read_packet(data: bytes) -> Any:
-    """The value that `packet_of` gave as bytes; PacketError for anything else."""
+    """Decode the bytes of `packet_of`; PacketError for anything else."""
     try:
         return msgpack.unpackb(data, use_list=False, ext_hook=_read, strict_map_key=False)
     except PacketError:
         raise
-    except Exception as error:  # damaged bytes raise many things
+    except Exception as error:  # damaged bytes raise many kinds of errors
         raise PacketError(f"{type(error).__name__}: {error}"[:300]) from None
 
 
@@ -71,18 +71,18 @@ def _packed(value: object) -> Any:
     if name is not None:
         row = [name, *(getattr(value, each.name) for each in fields(value))]  # type: ignore[arg-type]
         return msgpack.ExtType(_OBJECT, packet_of(row))
-    if type(value).__module__ == "numpy":  # a number; the supervisor, which reads packets too, has no arrays
+    if type(value).__module__ == "numpy":  # a number; the supervisor, which also reads packets, has no arrays
         return value.item()  # type: ignore[attr-defined]
     if isinstance(value, PurePath):
         return str(value)
     if isinstance(value, set | frozenset):
         return list(value)
-    raise TypeError(f"{type(value).__name__} is nothing that a packet holds")
+    raise TypeError(f"{type(value).__name__} cannot be put into a packet")
 
 
 def _read(code: int, data: bytes) -> Any:
     found = read_packet(data) if code == _OBJECT else ()
     make = _makers.get(found[0]) if isinstance(found, tuple) and found and isinstance(found[0], str) else None
     if make is None:
-        raise PacketError(f"extension {code} is nothing that a packet holds")
+        raise PacketError(f"extension {code} is not a registered type")
     return make(found[1:])

@@ -1,6 +1,6 @@
-"""The pointer's tools as data: what a click or a stroke on the floor of the window places there.
+"""Pointer tools: events for clicks and strokes on the stage floor in the window.
 
-A stroke is what is drawn between pressing and letting go. Everything goes through the same registry as OSC.
+A stroke lasts from pressing to releasing the button. All events go through the same registry as OSC.
 """
 
 import itertools
@@ -15,16 +15,16 @@ from live.control.registry.registry import REGISTRY
 SOURCE: Final = "pointer"
 Points = Sequence[tuple[float, float]]
 WALKED: Final = "0"
-"""The tool that draws a way while it is walked."""
+"""The tool that draws a path while it is walked."""
 SHORTEST: Final = 0.3
-"""A stroke has to be this long [m] to be one."""
+"""Minimum length of a stroke [m]."""
 MOST_POINTS: Final = 14
-"""Points that are kept of a stroke: so many fit into a text."""
+"""Maximum points kept of a stroke: as many as fit into a text."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """What the pointer does after its key was pressed: `shape` says what is made of the stroke for `address`."""
+    """A pointer tool, chosen by a key; `shape` states how a stroke becomes the arguments of `address`."""
 
     description: str
     address: str
@@ -35,23 +35,23 @@ class Tool:
 
 TOOLS: Final[dict[str, Tool]] = {
     "A": Tool("attractor (Shift: repulsor), follows the pointer", "/dance/attract", "place", "/dance/repel"),
-    "L": Tool("line they gather along (Shift: leave)", "/dance/attract/line", "line", "/dance/repel/line"),
-    "D": Tool("drawn line they gather along", "/dance/attract/drawn", "drawn"),
-    "R": Tool("region they come into (Shift: leave)", "/dance/attract/region", "region", "/dance/repel/region"),
-    "X": Tool("bar they cross to the other side", "/dance/cross", "line"),
+    "L": Tool("line that attracts dancers (Shift: repels)", "/dance/attract/line", "line", "/dance/repel/line"),
+    "D": Tool("drawn line that attracts dancers", "/dance/attract/drawn", "drawn"),
+    "R": Tool("region that attracts dancers (Shift: repels)", "/dance/attract/region", "region", "/dance/repel/region"),
+    "X": Tool("line that dancers cross to the other side", "/dance/cross", "line"),
     "U": Tool("flow in the stroke's direction", "/dance/flow", "line"),
     "V": Tool("vortex (Shift: outwards)", "/dance/flow/vortex", "place", "/dance/flow/radial"),
-    "P": Tool("path they follow", "/dance/path", "drawn"),
-    "T": Tool("way the formation travels", "/dance/travel", "drawn"),
-    "0": Tool("way that walkers walk while it is drawn (Shift: a new one)", "/dance/partner/path", "place"),
+    "P": Tool("path that dancers follow", "/dance/path", "drawn"),
+    "T": Tool("path of the formation", "/dance/travel", "drawn"),
+    "0": Tool("path walked while it is drawn (Shift: a new one)", "/dance/partner/path", "place"),
 }
-"""Tools by the key that chooses them; the first is the one at the start."""
+"""Tools by their keys; the first is active at the start."""
 
 
 def event_for_stroke(tool: str, points: Points, shift: bool, time: float) -> ControlEvent | None:
-    """The event of a stroke (x, z) [m] that was let go at `time` [s of the show]; None if it makes none.
+    """Return the event of a stroke (x, z) [m] released at `time` [s of the show]; None if it makes none.
 
-    The attractor acts while it is drawn, not when it is let go: see `event_for_place`.
+    The attractor acts during the stroke, not at its end: see `event_for_place`.
     """
     what = TOOLS[tool]
     address = what.shifted if shift and what.shifted else what.address
@@ -70,8 +70,10 @@ def event_for_stroke(tool: str, points: Points, shift: bool, time: float) -> Con
 
 
 def event_for_place(tool: str, x: float, z: float, shift: bool, time: float) -> ControlEvent | None:
-    """The event of the pointer at (x, z) [m] while it is pressed, for tools that act at once; None for others, and
-    where the floor is too far away or not hit (NaN)."""
+    """Return the event of the pointer pressed at (x, z) [m]; None for tools that do not act at once.
+
+    None also where the floor is too far away or not hit (NaN).
+    """
     what = TOOLS[tool]
     if tool == WALKED:
         return _event(what.address, (float(x), float(z), "*", shift), time)
@@ -90,6 +92,6 @@ def _length(points: Points) -> float:
 
 
 def _thinned(points: Points) -> list[tuple[float, float]]:
-    """At most MOST_POINTS of the points, evenly chosen, the first and the last among them."""
+    """Return at most MOST_POINTS of the points, evenly chosen, including the first and the last."""
     count = min(len(points), MOST_POINTS)
     return [points[round(k * (len(points) - 1) / (count - 1))] for k in range(count)]

@@ -1,4 +1,4 @@
-"""Urgency: what a thread that must wake on time may ask of the system, with and without the right to real time."""
+"""Thread scheduling for threads that must wake on time, with or without the right to real-time priority."""
 
 import contextlib
 import ctypes
@@ -9,18 +9,21 @@ import threading
 from typing import Final
 
 PRIORITY: Final = 10
-"""Real-time priority, below that of sound."""
+"""Real-time priority, below that of audio."""
 
 NICE: Final = -15
-"""Where only a better share is allowed (limits.conf, nice)."""
+"""Nice value where real-time priority is not allowed (limits.conf, nice)."""
 
 SLICE: Final = 100_000
-"""Nanoseconds that the thread wants the processor for at a time: from Linux 6.12 on one who asks for little is let in
-before one who asks for much, and nobody needs a right for it (sched_setattr(2), sched_runtime of SCHED_OTHER)."""
+"""Requested time slice [ns].
+
+From Linux 6.12 on, a thread with a short slice is scheduled before one with a long slice. No privilege is needed
+(sched_setattr(2), sched_runtime of SCHED_OTHER).
+"""
 
 PR_SET_TIMERSLACK: Final = 29
 SCHED_SETATTR: Final = {"x86_64": 314, "aarch64": 274}
-"""The number of the system call, for which neither Python nor the C library has a function."""
+"""Number of the system call; neither Python nor the C library has a function for it."""
 
 
 class _Attributes(ctypes.Structure):
@@ -34,15 +37,15 @@ class _Attributes(ctypes.Structure):
 
 
 def hurry() -> bool:
-    """Give this thread real-time priority, where the system lets us (Linux: limits.conf, rtprio); whether it did.
+    """Give this thread real-time priority where allowed (Linux: limits.conf, rtprio); return whether it was.
 
-    Without it: as much of everything else that makes it wake on time as is allowed.
+    Otherwise all permitted means of waking on time are used.
     """
     thread = threading.get_native_id()
     try:
         os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(PRIORITY))
     except (AttributeError, OSError):
-        with contextlib.suppress(AttributeError, OSError):  # not allowed: the usual share
+        with contextlib.suppress(AttributeError, OSError):  # not allowed: keep the default share
             os.setpriority(os.PRIO_PROCESS, thread, NICE)
         if sys.platform == "linux":
             _ask_for_little(thread)
@@ -51,7 +54,7 @@ def hurry() -> bool:
 
 
 def _ask_for_little(thread: int) -> None:
-    """Short slices, and timers to the microsecond (they may be 50 µs late otherwise); refusals change nothing."""
+    """Request short slices and 1 µs timer slack (timers may otherwise be 50 µs late); refusals are ignored."""
     number = SCHED_SETATTR.get(platform.machine())
     with contextlib.suppress(AttributeError, OSError):
         system = ctypes.CDLL(None)

@@ -1,4 +1,4 @@
-"""The show: events and ticks in, states and snapshots out; it decides what happens in which measure.
+"""The show simulation: takes events and ticks, yields states and drawing snapshots, plans every measure.
 
 It may import `library` and everything below it.
 """

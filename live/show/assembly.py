@@ -1,12 +1,8 @@
-"""Assembly: the parts of one show, made of patch and graph and joined to each other.
+"""Construction of a show's parts from patch and graph, and hot swap of both while the show runs.
 
-Exchange: the parts of a running show take over what an edited patch says from those of a fresh show of it.
-
-Everything heavy was made with the fresh show, by another thread; here references change hands. Both shows are made of
-the same parts under the same names, so each part meets its like: whoever has something of a patch has a method
-`take_patch(fresh)`, and whoever keeps the patch itself finds the new one where the old one was.
-
-Changeover: a running show goes over to a graph that has grown, and to a patch that was edited.
+For a patch swap another thread builds a fresh show; the running show then takes over references from it. Both shows
+have the same parts under the same attribute names. A part with data from the patch implements `take_patch(fresh)`;
+attributes that hold the patch itself are replaced by the new patch.
 """
 
 from abc import ABC, abstractmethod
@@ -53,7 +49,7 @@ from live.show.view.view_builder import Seen
 
 
 class Assembly(ABC):
-    """The parts, at the first moment of the first measure. How they work together `Show` says."""
+    """The parts of a show, at the start of the first measure. `Show` runs them."""
 
     def __init__(
         self,
@@ -68,9 +64,9 @@ class Assembly(ABC):
         answers: AnswerBank | None = None,
         begin: bool = True,
     ) -> None:
-        """`seed` and `tempo` [bpm] override the patch's; `reserve` holds clips that events may add, by name;
-        `choosing` is what is prepared of the graph, if it is known; `bank` what upper bodies may be textured with;
-        `answers` what partners answer from. Without `begin` no measure begins: the state will be another one.
+        """`seed` and `tempo` [bpm] override the patch's; `reserve`: clips that events may add, by name; `choosing`:
+        the selector prepared for the graph, if there is one; `bank`: motion for texturing upper bodies; `answers`:
+        examples for partner responses. Without `begin` no measure begins, because a state will be restored.
 
         Raises UnknownStep for a step the library lacks.
         """
@@ -93,7 +89,7 @@ class Assembly(ABC):
             self.dancers.texturing = Texturing(bank, self.variation, len(self.group), seed=self.seed, beats=beats)
         check_partners(patch, self.casting)
         self.answers = answers or AnswerBank(())
-        """What partners answer from."""
+        """Examples for partner responses."""
         if answers is not None:
             self.dancers.answering = Answering(patch, self.casting, self.variation, answers)
         programmes = programmes_of(patch, graph, self.seed, self.prompter.score, self.prompter.mood)
@@ -112,7 +108,7 @@ class Assembly(ABC):
         self.time = 0.0
         self.refusals = Refusals()
         self.breakers = Breakers()
-        """Which stages of a tick are in service."""
+        """Circuit breakers of the stages of a tick."""
         self._beat, self._beats_per_tick = self.timeline.beat_at(0.0), self.timeline.tempo * TICK / 60.0
         self.directions = Directions(
             patch, self.casting, self.dancers, self.variation, self.scheduler, self.interrupts, self.refusals
@@ -125,25 +121,25 @@ class Assembly(ABC):
 
     @abstractmethod
     def _begin_measure(self, beat: float) -> None:
-        """The measure `span` begins, at `beat`."""
+        """Begin the measure `span` at `beat`."""
 
     @property
     def state(self) -> AgentState:
-        """The agents now."""
+        """The current agent state."""
         return self.motion.state
 
     @property
     def playhead(self) -> Playhead:
-        """Where the score is."""
+        """The position in the score."""
         return self.prompter.playhead
 
     @property
     def danced(self) -> float:
-        """Beats danced so far: (measure + how far it is) times the beats of a measure; those of `prompter.agenda`."""
+        """Danced beats so far: (measure number + fraction) times beats per measure; the unit of `prompter.agenda`."""
         return self.span.danced(self.timeline.beat_at(self.time), self.patch.clock.beats_per_measure)
 
     def seed_tracker(self, told: Callable[[Seed], None]) -> None:
-        """Tell `told`, now and in future, what a tracker of sound should know. Thread: the show's calls it."""
+        """Send beat tracker seeds to `told`, now and in future. Thread: the show's calls it."""
         for seed in first_seeds(self.patch, self.follower, self._known):
             told(seed)
         self.follower.on_seed = told
@@ -153,9 +149,9 @@ _PARTS: Final = "live.show."
 
 
 def exchange(part: Any, fresh: Any, old: Patch, new: Patch) -> None:
-    """Let `part` and all parts below it take over what `fresh` and its parts have of the patch `new`.
+    """Update `part` and all parts below it with the data that `fresh` and its parts have from the patch `new`.
 
-    `take_patch` is called while the part still holds the `old` patch, once for every part, outermost first.
+    `take_patch` is called once for each part, outermost first, while the part still holds the `old` patch.
     """
     _exchange(part, fresh, old, new, set())
 
@@ -175,30 +171,30 @@ def _exchange(part: Any, fresh: Any, old: Patch, new: Patch, met: set[int]) -> N
 
 
 class Changeover(Assembly):
-    """What other threads prepared is held here, and taken while nobody's next measure is decided."""
+    """Hot swap of graph and patch. Other threads prepare both; the swap happens while no next measure is decided."""
 
     def offer(self, library: str, graph: MotionGraph) -> None:
-        """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
+        """Store a graph for the event StepsAdded that names its library's hash. Thread: any."""
         self._new_steps.offer(library, graph)
 
     def another(self, patch: Patch, graph: MotionGraph) -> Self:
-        """A fresh show of another patch, with this one's seed; not to be run. Takes a while; thread: any."""
-        choosing = self.scheduler.choosing  # of a show that does not run nobody reads or changes it
+        """Return a fresh show of another patch with this show's seed; it must not be run. Slow. Thread: any."""
+        choosing = self.scheduler.choosing  # safe to share: the new show does not run
         known, bank = choosing if choosing.graph is graph else None, self.dancers.texturing.bank
         answers = None if self.dancers.answering is None else self.answers
         return type(self)(patch, graph, seed=self.seed, choosing=known, bank=bank, answers=answers)
 
     def offer_patch(self, prepared: Prepared) -> None:
-        """Hold a patch ready for the event PatchChanged that names its version. Thread: any."""
+        """Store a patch for the event PatchChanged that names its version. Thread: any."""
         self.reloading.offer(prepared)
 
     @property
     def latest_graph(self) -> MotionGraph:
-        """The graph that is danced, or that will be from the next measure line on."""
+        """The graph in use, or the one that replaces it at the next measure line."""
         return self._new_steps.coming or self.graph
 
     def _take_patch(self) -> None:
-        """Go on as an edited patch says, if there is one. To be called while nobody's next measure is decided."""
+        """Apply an edited patch, if there is one. Call only while no next measure is decided."""
         fresh = self.reloading.take(self.patch, self.dancers.node)
         if fresh is None:
             return
@@ -211,7 +207,7 @@ class Changeover(Assembly):
         self.motion.withdraw(self.span.number + 1)
 
     def _take_graph(self) -> None:
-        """Dance in the graph that has grown, if there is one."""
+        """Apply an extended graph, if there is one."""
         grown = self._new_steps.take(self.dancers)
         if grown is None:
             return

@@ -1,15 +1,8 @@
-"""Pieces: work that is spread over ticks, so much in each that it is done in time.
+"""Background work that does not delay frames: tasks spread over ticks, and threads that release the GIL often.
 
-Polite: long work in a thread that leaves the interpreter to the frame loop.
-
-Python's interpreter is one for all threads: who waits for it while another computes is let in only after
-`sys.getswitchinterval()`, 5 ms, and a frame asks for it anew after every kernel. While somebody works politely
-it is let in after a tenth of a millisecond.
-
-Long patches: what thousands of entries cost is paid in pieces, so that no frame waits for all of them.
-
-Checking, writing and freeing an entry is a matter of microseconds, but pydantic and Python do it for a whole patch at
-once, and meanwhile the interpreter is nobody else's.
+A thread that waits for the GIL gets it only after `sys.getswitchinterval()`, 5 ms by default, and a frame has to
+reacquire it after every kernel. `polite` lowers the interval to 0.1 ms. Long patches (thousands of entries) are
+validated, serialized and freed in batches, because pydantic would hold the GIL for the whole patch.
 """
 
 import json
@@ -27,49 +20,49 @@ from live.show.patch.patch import Patch
 from live.show.patch.section_base import Section
 
 Piece = tuple[float, Callable[[], object]]
-"""A piece of the work, after what it weighs."""
+"""Weight and function of one piece of work."""
 
 MORE: Final = 1.5
-"""A tick takes a further piece only if it does not come to more than so many times its share."""
+"""A tick does a further piece only if its work stays below this multiple of its share."""
 
 
 class Pieces:
-    """A row of pieces, done in their order."""
+    """A queue of pieces of work, done in order, a share of them in each tick."""
 
     def __init__(self) -> None:
         self._waiting: deque[Piece] = deque()
         self.left = 0.0
-        """What those that wait weigh together."""
+        """Total weight of the waiting pieces."""
 
     def __bool__(self) -> bool:
         return bool(self._waiting)
 
     def weights(self) -> list[float]:
-        """What each that waits weighs."""
+        """The weights of the waiting pieces."""
         return [weight for weight, _ in self._waiting]
 
     def begin(self, pieces: Iterable[Piece]) -> None:
-        """These are to be done, after those that wait."""
+        """Append pieces to the queue."""
         self._waiting.extend(pieces)
         self.left = sum(weight for weight, _ in self._waiting)
 
     def work(self, ticks: int) -> None:
-        """Do this tick's share, if so many `ticks` are left for all, this one included."""
+        """Do this tick's share, with `ticks` left for all pieces, this one included."""
         share, done = self.left / max(ticks, 1), 0.0
         while self._waiting and done < share:
             weight = self._waiting[0][0]
             if done and ticks > 1 and done + weight > MORE * share:
-                return  # rather in the next tick than together with others in this one
+                return  # a heavy piece gets a tick of its own
             self._do_one()
             done += weight
 
     def clear(self) -> None:
-        """Forget all that is left."""
+        """Discard the waiting pieces."""
         self._waiting.clear()
         self.left = 0.0
 
     def finish(self) -> None:
-        """Do all that is left."""
+        """Do all waiting pieces."""
         while self._waiting:
             self._do_one()
 
@@ -80,7 +73,7 @@ class Pieces:
 
 
 LETS_IN_S: Final = 0.0001
-"""Seconds after which a thread that waits is let in meanwhile, but for single calls of compiled code."""
+"""Switch interval of the interpreter in polite mode [s]. Single calls of compiled code may still take longer."""
 
 _lock = threading.Lock()
 _working: list[float] = []
@@ -88,7 +81,8 @@ _working: list[float] = []
 
 @contextmanager
 def polite() -> Iterator[None]:
-    """What the calling thread does within is done politely; all threads share that. Thread: any, several at a time."""
+    """Lower the interpreter's switch interval within the block; it applies to all threads. Thread: any, several at a
+    time."""
     with _lock:
         _working.append(sys.getswitchinterval())
         sys.setswitchinterval(min(LETS_IN_S, _working[0]))
@@ -103,16 +97,16 @@ def polite() -> Iterator[None]:
 
 
 AT_A_TIME: Final = 100
-"""Entries that are checked or freed in one go."""
+"""Entries that are validated or freed in one batch."""
 RESTS_S: Final = 0.0005
-"""Seconds between two goes of freeing."""
+"""Pause between two batches when freeing [s]."""
 
 Model = TypeVar("Model", bound=BaseModel)
 
 
 def validated(model: type[Model], data: dict[str, Any]) -> Model:
-    """The model of `data`, its long lists of tables checked piece by piece; pydantic's ValidationError as it would be
-    otherwise."""
+    """Return the model of `data`, with long lists of tables validated in batches. Raises the same ValidationError as
+    pydantic."""
     pieces = dict(data)
     try:
         for name, field in model.model_fields.items():
@@ -123,13 +117,13 @@ def validated(model: type[Model], data: dict[str, Any]) -> Model:
                 for begin in range(0, len(rows), AT_A_TIME):
                     checked += adapter.validate_python(rows[begin : begin + AT_A_TIME])
                 pieces[name] = checked
-    except ValidationError:  # told with everything else that is wrong
+    except ValidationError:  # reported below together with all other errors
         pieces = data
     return model.model_validate(pieces)
 
 
 def written_text(patch: Patch) -> str:
-    """`Patch.written` as JSON, its long lists of tables piece by piece."""
+    """Return `Patch.written` as JSON, with long lists of tables serialized in batches."""
     long = {name for name in patch.model_fields_set if len(_rows(patch, name)) > AT_A_TIME}
     head = patch.model_dump(mode="json", exclude_unset=True, exclude=long)
     parts = [f"{json.dumps(key)}:{json.dumps(value, separators=(',', ':'))}" for key, value in head.items()]
@@ -140,7 +134,7 @@ def written_text(patch: Patch) -> str:
 
 
 def freed(patches: list[Patch]) -> None:
-    """Free patches that nobody needs any more, taken from the list, without haste. Thread: not the show's."""
+    """Free unused patches in small batches and empty the list. Thread: not the show's."""
     while patches:
         patch = patches.pop()
         rows = [list(_rows(patch, name)) for name in type(patch).model_fields]
@@ -152,12 +146,12 @@ def freed(patches: list[Patch]) -> None:
 
 
 def _rows(patch: Patch, name: str) -> tuple[Section, ...]:
-    """The tables of one kind; none for anything else."""
+    """Return the tables of a field; empty if the field holds no tables."""
     rows = getattr(patch, name)
     return rows if isinstance(rows, tuple) and rows and isinstance(rows[0], Section) else ()
 
 
 def _section_of(annotation: Any) -> type[Section] | None:
-    """The kind of table of which a field holds many; None if it does not."""
+    """Return the class of the tables in a field's tuple; None for other fields."""
     kinds = get_args(annotation) if get_origin(annotation) is tuple else ()
     return kinds[0] if kinds and isinstance(kinds[0], type) and issubclass(kinds[0], Section) else None

@@ -1,8 +1,8 @@
-"""Breakers: which stages of a tick are in service (circuit breakers, after Nygard, *Release It!*, 2007).
+"""Circuit breakers for the stages of a tick (after Nygard, *Release It!*, 2007).
 
-A tick is a row of stages. Where one ends in an error again and again, however the events before it are left out, its
-breaker is tripped: the show goes on without it until a person resets it. Each stage has something simpler to do then
-(`Show.tick` says what), and nothing at all if that fails, too.
+A tick is a sequence of stages. If a stage fails repeatedly even without the last events, its breaker is tripped and
+the show continues without the stage until a person resets it. A tripped stage first uses a simpler fallback (see
+`Show.tick`), and is skipped if that fails, too.
 """
 
 from enum import IntEnum
@@ -12,10 +12,10 @@ from live.control.events.events import EVENT_TYPES
 
 
 class Stage(IntEnum):
-    """What a tick consists of. The numbers are what another process reads, see `Breakers.publish`."""
+    """The stages of a tick. Another process reads these numbers, see `Breakers.publish`."""
 
     OUTSIDE = 0
-    """No tick runs."""
+    """No tick is running."""
     CLOCK = 1
     MEASURE = 2
     SCORE = 3
@@ -33,42 +33,42 @@ class Stage(IntEnum):
     REACTIONS = 15
     LIGHT = 16
     TICK = 17
-    """The tick as a whole: tripped last, when nothing else has helped. The show stands still, its clock runs."""
+    """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
     DRAWING = 32
-    """No tick runs, but a picture is drawn: what is done about that is the supervisor's business."""
+    """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
 
 WORDS: Final = {
     Stage.CLOCK: "the clock runs on at its tempo and follows nothing",
     Stage.MEASURE: "measures are as long as the last one",
-    Stage.SCORE: "the score calls nothing",
+    Stage.SCORE: "the score triggers nothing",
     Stage.DESK: "fades, cues and moving cameras stand still",
-    Stage.AUDIENCE: "the audience moves nothing",
+    Stage.AUDIENCE: "the audience has no effect",
     Stage.EDITS: "edits of patch and steps wait",
-    Stage.SELECTION: "steps are the nearest that follow, whatever is wanted",
-    Stage.INTERRUPTS: "nobody leaves her step within a measure",
+    Stage.SELECTION: "dancers take the nearest next step, whatever the score asks for",
+    Stage.INTERRUPTS: "no dancer leaves a step within a measure",
     Stage.STEERING: "the group stays where it is",
-    Stage.CORRECTION: "steps are danced as they are, and not made to reach anything",
-    Stage.DANCERS: "feet are held no more",
+    Stage.CORRECTION: "steps are danced as recorded, without correction towards their targets",
+    Stage.DANCERS: "planted feet are not locked",
     Stage.CAPTURE: "captured performers are not followed",
-    Stage.PARTNERS: "partners neither answer nor hold hands",
-    Stage.VARIATION: "all dance a step alike",
+    Stage.PARTNERS: "partners neither respond nor hold hands",
+    Stage.VARIATION: "all dancers dance a step alike",
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
     Stage.TICK: "the dance stands still",
 }
-"""What a person sees while a stage is out of service."""
+"""The visible effect while a stage is out of service."""
 
 CALL: Final = "call "
-"""Before the kind of an event that the score, a cue or a reaction gives: each kind has a breaker of its own."""
+"""Name prefix for events issued by the score, a cue or a reaction; each event type has its own breaker."""
 PASS: Final = "pass "
-"""Before the name of a pass of the picture, which breaks by itself (`live/render/pass_faults.py`)."""
+"""Name prefix for render passes, which have breakers of their own (`live/render/pass_faults.py`)."""
 FIRST_CALL: Final = 64
 KINDS: Final = tuple(sorted(EVENT_TYPES))
 NAMES: Final = {stage.name.lower(): int(stage) for stage in WORDS} | {
     CALL + kind: FIRST_CALL + index for index, kind in enumerate(KINDS)
 }
-"""Every breaker by its name."""
+"""The number of every breaker, by name."""
 _NUMBERS: Final = {number: name for name, number in NAMES.items()}
 _CALLS: Final = {kind: FIRST_CALL + index for index, kind in enumerate(KINDS)}
 SIMPLER: Final = 1
@@ -76,77 +76,77 @@ NOTHING: Final = 2
 
 
 def name_of(number: int) -> str:
-    """The name of a breaker by the number that was published; empty outside of a tick."""
+    """Return the name of a breaker by its published number; empty outside of a tick."""
     return _NUMBERS.get(number, "")
 
 
 def escalation(stage: int) -> tuple[str, ...]:
-    """The breakers that help where `stage` ends in an error, one after the other: its own, and that of all."""
+    """Return the breakers to trip, in order, if `stage` fails: its own, then the one of the whole tick."""
     name = name_of(stage)
     own = () if not name else (name,) if stage >= FIRST_CALL else (name, name)
     return (*own, Stage.TICK.name.lower())
 
 
 class Breakers:
-    """The breakers of one show: part of its state, changed by events alone. Thread: the show's."""
+    """The breakers of one show. They are part of its state; only events change them. Thread: the show's."""
 
     def __init__(self) -> None:
         self.why: dict[str, str] = {}
-        """Why each breaker that is tripped was, by its name."""
+        """Reason of each tripped breaker, by name."""
         self.running = int(Stage.OUTSIDE)
-        """The stage that runs now, or ran when a tick ended in an error."""
+        """The running stage, or the stage in which a tick failed."""
         self._level: dict[int, int] = {}
         self._page: memoryview | None = None
 
     def publish(self, page: memoryview) -> None:
-        """Write the number of the stage that runs into `page`, one word of 64 bits that another process reads."""
+        """Write the number of the running stage into `page` from now on, a 64-bit word that another process reads."""
         self._page = page
 
     def level(self, stage: int) -> int:
-        """The stage begins: 0 if it is in service, SIMPLER or NOTHING if it is not."""
+        """Begin a stage. Returns 0 if it is in service, else SIMPLER or NOTHING."""
         self.running = stage
         if self._page is not None:
             self._page[0] = stage
         return self._level.get(stage, 0) if self._level else 0
 
     def closed(self, stage: int) -> bool:
-        """The same for a stage that has nothing simpler to do: whether it is in service."""
+        """Begin a stage that has no fallback. Returns whether it is in service."""
         return not self.level(stage)
 
     def calls(self, kind: str) -> bool:
-        """Something of the show gives an event of this kind: whether it may."""
+        """Whether the show itself may issue an event of this type."""
         return not self.level(_CALLS.get(kind, int(Stage.TICK)))
 
     def leave(self) -> None:
-        """The tick is over."""
+        """End the tick."""
         self.level(Stage.OUTSIDE)
 
-    # -- what trips them -----------------------------------------------------------------------------------------
+    # -- tripping and resetting ----------------------------------------------------------------------------------
 
     def tripped(self, stage: int) -> int:
-        """How often a stage was tripped: 0 if it is in service."""
+        """Return how often a stage was tripped; 0 if it is in service."""
         return self._level.get(stage, 0)
 
     def trip(self, name: str, why: str) -> None:
-        """Put a stage out of service; one that is out already does nothing at all from now on. ValueError for a name
-        that is none."""
+        """Take a stage out of service; a stage tripped before loses its fallback, too. ValueError for an unknown
+        name."""
         stage = _number(name)
         self._level[stage] = min(self._level.get(stage, 0) + 1, NOTHING)
         self.why[name] = why
 
     def reset(self, name: str) -> None:
-        """Put a stage into service again; empty: all. ValueError for a name that is none."""
+        """Put a stage back into service; an empty name resets all. ValueError for an unknown name."""
         if not name:
             self._level.clear()
             self.why.clear()
             return
-        if name.startswith(PASS):  # a pass of the picture: whoever draws it hears of it as well
+        if name.startswith(PASS):  # the renderer handles the same event for its passes
             return
         self._level.pop(_number(name), None)
         self.why.pop(name, None)
 
     def words(self) -> tuple[str, ...]:
-        """What is out of service, for the operator."""
+        """Return a line for the operator about each stage out of service."""
         return tuple(out_of_service(name, why) for name, why in self.why.items())
 
 
@@ -157,7 +157,7 @@ def _number(name: str) -> int:
 
 
 def out_of_service(name: str, why: str) -> str:
-    """A breaker that is tripped, in a person's words."""
+    """Return a line for the operator about a tripped breaker."""
     number = NAMES.get(name, 0)
-    effect = WORDS[Stage(number)] if number in WORDS else f"no {name.removeprefix(CALL)} is given by the show itself"
+    effect = WORDS[Stage(number)] if number in WORDS else f"the show itself issues no {name.removeprefix(CALL)}"
     return f'{name} is out of service: {effect} ({why}); /dance/breaker/reset "{name}" puts it back'

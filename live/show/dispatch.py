@@ -1,4 +1,4 @@
-"""Dispatch: every event of a show goes to the part that it concerns."""
+"""Dispatch of events to the parts of a show."""
 
 from typing import ClassVar
 
@@ -17,14 +17,15 @@ from live.show.score.score_runner import SCORE_EVENTS
 from live.show.sound.clock_commands import CLOCK_EVENTS, tell
 
 FLOOR_AND_DESK = (*GROUP_EVENTS, *DESK_EVENTS)
-"""Events that `_control` takes."""
+"""Events that `_control` handles."""
 
 
 class Dispatch(Changeover):
-    """Events from outside come by `apply`, those of the show itself by `_act_on`; refused ones are counted."""
+    """Event dispatcher: `apply` for events from outside, `_act_on` for the show's own. Refused events are counted."""
 
     def apply(self, event: ControlEvent) -> bool:
-        """Let an event act, from the next tick on; False if it asked for what is not there (which is counted)."""
+        """Apply an event, effective from the next tick. False, and counted, if it names something that does not
+        exist."""
         before = self.refusals.count + self.follower.rejected
         if isinstance(event, events.MusicHeard):
             self._hear(event)
@@ -37,7 +38,7 @@ class Dispatch(Changeover):
         return self.refusals.count + self.follower.rejected == before
 
     def _hear(self, event: events.MusicHeard) -> None:
-        """What the music is like changes what the patch says it changes."""
+        """Apply the patch's reactions to the music."""
         for change in self.reactions.hear(event):
             self._act_on(change)
         for signal in self.prompter.hear(event):
@@ -46,7 +47,7 @@ class Dispatch(Changeover):
         self.motion.elements.gain = self.reactions.strength
 
     def _hear_notes(self, event: events.NotesHeard) -> None:
-        """What is played changes what the patch says it changes."""
+        """Apply the patch's reactions to MIDI notes."""
         self.prompter.hear_notes(event)
         for change in self.reactions.hear_notes(event):
             self._act_on(change)
@@ -78,7 +79,7 @@ class Dispatch(Changeover):
                 self._reset(event)
 
     def _trip(self, event: events.BreakerTripped) -> None:
-        """A stage goes out of service."""
+        """Take a stage out of service."""
         try:
             self.breakers.trip(event.name, event.why)
         except ValueError as error:
@@ -88,8 +89,8 @@ class Dispatch(Changeover):
         self._drop_begun()
 
     def _drop_begun(self) -> None:
-        """What stages that are out of service have begun is dropped: nobody would end it, and until then there could be
-        no snapshot. Asked at each measure line: events begin something meanwhile."""
+        """Drop the unfinished work of stages out of service. Nothing would finish it, and it would block snapshots.
+        Called at each measure line, because events can begin new work."""
         tripped = self.breakers.tripped
         stands = tripped(Stage.TICK)
         if stands or tripped(Stage.SELECTION):
@@ -107,7 +108,7 @@ class Dispatch(Changeover):
             self.refusals.add(f"{event.source}: {error}")
 
     def _control(self, event: ControlEvent) -> None:
-        """What groups do on the floor, and what the desk says."""
+        """Handle an event for the groups' motion or the desk."""
         changes: list[ControlEvent] = []
         try:
             if isinstance(event, DESK_EVENTS):
@@ -122,12 +123,12 @@ class Dispatch(Changeover):
             self._act_on(change)
 
     def _direct(self, event: ControlEvent) -> None:
-        """What directs steps and motion of groups."""
+        """Handle an event that directs steps or motion of groups."""
         self.desk.notice(event)
         self.directions.act(event)
 
     def _tell_audience(self, event: ControlEvent) -> None:
-        """What the audience's phones want, or what the operator lets them."""
+        """Handle an event from the audience's phones, or the operator's settings for them."""
         known: dict[str, tuple[str, ...]] = {}
         if isinstance(event, events.AskVote):
             known = {"step": tuple(self.graph.library.steps), "scene": tuple(self.desk.scenes.names),
@@ -142,7 +143,7 @@ class Dispatch(Changeover):
             self.refusals.add(f"{event.source}: {error}")
 
     def _tell_prompter(self, event: ControlEvent) -> None:
-        """A signal is given, or the score goes elsewhere: what of the coming measure can still be planned anew is."""
+        """Handle a signal or a jump in the score; the next measure is planned again if there is still time."""
         try:
             moved = self.prompter.act(event)
         except PersonError as error:
@@ -155,7 +156,7 @@ class Dispatch(Changeover):
                 self.prompter.came_late()
 
     def _tell_mocap(self, event: ControlEvent) -> None:
-        """A captured performer moves, or something is said of her."""
+        """Handle a pose or a setting of a captured performer."""
         beat = self.span.danced(self.timeline.beat_at(event.time), self.patch.clock.beats_per_measure)
         try:
             self.mocap.act(event, beat=beat)
@@ -171,6 +172,6 @@ class Dispatch(Changeover):
         (FLOOR_AND_DESK, _control), (CLOCK_EVENTS, _tell_clock), (MOCAP_EVENTS, _tell_mocap), (DIRECTIONS, _direct),
         (SCORE_EVENTS, _tell_prompter), (AUDIENCE_EVENTS, _tell_audience),
     )  # fmt: skip
-    """Who is told which events."""
+    """The handler of each group of events."""
     _ACTS: ClassVar = {kind: act for kinds, act in reversed(_TOLD) for kind in kinds}
-    """The same for each kind: a flood has many, and one look is cheaper than one at every kind there is."""
+    """The handler by event type: one dictionary look-up per event, which matters in a flood."""

@@ -1,4 +1,4 @@
-"""Engine: the frame loop's body. Live and offline differ only in the clock and in who calls `frame`."""
+"""Engine: the body of the frame loop. Live and offline runs differ only in the clock and in the caller of `frame`."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol, TypeVar
@@ -29,38 +29,38 @@ from live.show.status import Status
 from live.show.view.debug_overlay import draw_guides
 
 EVENTS_PER_FRAME = 512
-"""Events taken from the inbox in one frame at most ..."""
+"""Maximum number of events taken from the inbox in one frame."""
 EVENTS_AT_ONCE = 8
 EVENT_SECONDS = 0.003
-"""... and no more once so much time has gone by: a flood waits, it does not stall a frame."""
+"""Time limit for taking events in a frame [s], so that a flood waits and does not stall the frame."""
 
 UNDRAWN = 30
-"""Frames in a row that could not be drawn: the driver is lost."""
+"""After this many failed frames in a row the driver counts as lost."""
 
 FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, AudienceHeard)
-"""Events that nobody's hand makes: they do not count as accepted."""
+"""Events from automatic sources; they do not count as accepted."""
 _MEASURED = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
-"""Events whose numbers a device has measured, or not."""
+"""Events with values measured by a device; these may be NaN or infinite."""
 
 Result = TypeVar("Result")
 Picture = Callable[[StageView], None]
-"""Whatever draws a snapshot: the renderer on its target, or nothing at all."""
+"""Function that draws a snapshot: the renderer on its target, or a stub."""
 
 
 def _nobody(part: str) -> None:
-    """Nobody measures."""
+    """Default mark: does nothing."""
 
 
 class Progress(Protocol):
-    """Who has to know what is run, should it never end: a page of memory that another process reads."""
+    """Progress of the engine, for a watchdog in another process (a page of shared memory)."""
 
     def begin_tick(self, tick: int) -> None:
-        """This tick is run now."""
+        """Record that this tick is about to run."""
         ...
 
 
 class Engine:
-    """Takes events, runs the ticks that are due, and has the frame drawn.
+    """Frame loop body: applies events, runs the due ticks and draws the frame.
 
     Thread: the main thread only; other threads put events into the inbox.
     """
@@ -76,9 +76,9 @@ class Engine:
         lead: float = TICK,
         stall: float = STALL,
     ) -> None:
-        """`lead` [s]: how far ahead of the clock the picture is, so that dancers land on the beat when it is seen.
+        """`lead` [s]: how far the picture is ahead of the clock, to compensate for display latency.
 
-        `stall` [s]: after a longer gap ticks are left out; infinite offline, where every tick is run.
+        `stall` [s]: ticks are skipped after a longer gap; infinite offline, where every tick runs.
         """
         self.show = show
         self._clock = clock
@@ -86,46 +86,45 @@ class Engine:
         self._allowance = Allowance()
         self._status = status
         self.journal = journal
-        """Where events and measures are noted; None: nowhere."""
+        """Journal for events and measures; None: no journal."""
         self.lead = lead
-        """How far ahead of the clock the picture is [s]; it may be changed while the show runs."""
+        """How far the picture is ahead of the clock [s]; may change while the show runs."""
         self.outward: list[Callable[[ControlEvent], None]] = []
-        """Told every event after the show: for what concerns devices and not the dance."""
+        """Called with every event after the show has handled it: for devices."""
         self.timed: list[Callable[[float], Iterable[ControlEvent]]] = []
-        """Asked after each tick for what happens until the next one [s]: for what is known beforehand, as a file's
-        notes, and must not depend on when frames are drawn."""
+        """Called after each tick with the time of the next one [s]; they return the events until then. For events
+        known in advance, such as the notes of a file, which must not depend on frame times."""
         self.patched: list[Callable[[Patch], None]] = []
-        """Told the patch when the show has taken another one: for devices that do what it says."""
+        """Called with the patch when it was swapped: for devices that depend on it."""
         self._patch = show.patch
         self.ticks = Ticks(stall=stall)
         self.view = show.view()
         self.overlay = False
         """Whether the operator's overlay is shown."""
         self.dark = False
-        """Whether nothing is to be seen, for another machine leads."""
+        """Whether the picture is black because another machine leads."""
         self.guides = False
-        """Whether the operator's guides are drawn: agents, predictions, held feet."""
+        """Whether the operator's guides are drawn: agents, predictions, locked feet."""
         self.forgiving = False
-        """Whether an event that ends in an error is refused, as by who replays or goes on; else the error is raised."""
+        """Whether an event that raises is refused, as in a replay and in a standby; else the error is raised."""
         self.bulkhead: Bulkhead | None = None
-        """Keeps errors of devices and others that are told or asked away from the show; None (in tests and offline):
-        they are raised."""
+        """Isolates the show from errors in callbacks of devices; None (in tests and offline): errors are raised."""
         self.failed = 0
-        """Events that ended in an error, since the start."""
+        """Events that raised an error, since the start."""
         self.progress: Progress | None = None
-        """Told each tick before it is run."""
+        """Notified of each tick before it runs."""
         self.mark: Callable[[str], None] = _nobody
-        """Told what has just been done in a frame, for whoever measures: "events", "simulation", "poses"."""
+        """Called with the part of the frame just done, for profiling: "events", "simulation", "poses"."""
         self.on_error: Callable[[Exception], None] | None = None
-        """Told once when drawing fails; the show goes on. None (in tests and offline): the error is raised."""
+        """Called once when drawing fails; the show continues. None (in tests and offline): the error is raised."""
         self.gives_up = False
-        """Whether the error is raised where nothing could be drawn for UNDRAWN frames: another engine draws then."""
+        """Whether the error is raised after UNDRAWN failed frames, so that another engine takes over."""
         self._undrawn = 0
 
     def frame(self, picture: Picture, *, at: float | None = None) -> None:
-        """One frame: events, ticks that are due, drawing.
+        """Run one frame: events, due ticks, drawing.
 
-        `at` [s]: when the frame begins for the dance, near the clock's time: on the even grid of the display.
+        `at` [s]: start of the frame for the simulation, close to the clock's time, on the regular grid of the display.
         """
         now = self._clock.now()
         for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
@@ -151,7 +150,7 @@ class Engine:
         self._draw(picture)
 
     def _fill(self, time: float, now: float) -> None:
-        """What is seen at `time` [s]; if that cannot be worked out, what was seen last."""
+        """Fill the view for `time` [s]; on an error it keeps the last picture."""
         try:
             self.show.fill(self.view, time)
             self.view.guide_count = 0
@@ -177,7 +176,7 @@ class Engine:
         self.show.breakers.leave()
 
     def _fail(self, error: Exception) -> None:
-        """A frame is not as it should be; the show goes on."""
+        """Count a faulty frame; the show continues."""
         if self.on_error is None:
             raise error
         if not self._status.faults:
@@ -185,9 +184,9 @@ class Engine:
         self._status.faults += 1
 
     def apply(self, event: ControlEvent) -> None:
-        """Write an event to the journal and let it act from the next tick on; the show counts what it refuses.
+        """Write an event to the journal and apply it from the next tick on; the show counts refused events.
 
-        What a source says that is no number is counted, and goes nowhere: no journal could be read with it.
+        A measurement with NaN or infinity is counted and dropped: it would make the journal unreadable.
         """
         if isinstance(event, _MEASURED) and not is_finite(event):
             self._status.impossible += 1
@@ -202,7 +201,7 @@ class Engine:
             self._call(told, event)
 
     def _call(self, act: Callable[..., Result], *arguments: Any) -> Result | None:
-        """Call what is beside the show."""
+        """Call a callback outside the show."""
         return act(*arguments) if self.bulkhead is None else self.bulkhead.call(name_of(act), act, *arguments)
 
     def _run_ticks(self, now: float, target: float) -> None:
@@ -214,7 +213,7 @@ class Engine:
         self.run_to(target)
 
     def run_to(self, target: float) -> None:
-        """Run every tick up to `target` [s], however many there are."""
+        """Run every tick up to `target` [s], without a limit."""
         for time in self.ticks.due(target):
             if self.progress is not None:
                 self.progress.begin_tick(self.ticks.index)

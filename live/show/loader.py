@@ -1,6 +1,6 @@
-"""Loading a show: patch, steps and graph, ready to run; the same for live, offline and replay.
+"""Loader for shows: reads patch and steps and builds the motion graph, for live, offline and replay.
 
-Recorded: what a patch becomes when a folder of recordings is danced in the place of its steps.
+It also adapts a patch when a folder of recordings replaces its steps (`--steps`).
 """
 
 import contextlib
@@ -35,17 +35,17 @@ from live.show.view.render_scene import scene_of as scene_of
 
 
 def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
-    """The patch with the metre that most of the recordings have, and a beat for each blend: they differ more than
-    sketches, and hands must not cross faster than they do in the clips."""
+    """Return the patch with the most frequent metre of the recordings and blends of one beat. Recordings differ more
+    than sketches, and a short blend would move hands faster than they move in the clips."""
     metres = [clip.beats_per_measure for clip in clips]
     clock = patch.clock.model_copy(update={"beats_per_measure": max(metres, key=metres.count)})
     return with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0)
 
 
 def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
-    """The patch with every group drawing from all steps that connect, as `--steps` asks for; echoes go on echoing.
+    """Return the patch with every group choosing at random from all connected steps (`--steps`); echoes stay echoes.
 
-    Reactions and keys of MIDI that call a step which is not among them are left out.
+    Reactions and MIDI mappings that call a missing step are removed.
     """
     library = graph.library
     names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
@@ -60,7 +60,7 @@ def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
 
 
 def _unknown(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
-    """Reactions and lines of `[[midi.map]]` that call sketched steps which the recordings do not have."""
+    """Return the indices of reactions and of `[[midi.map]]` entries that call steps missing in the recordings."""
     react, keys = set(), set()
     for called in steps_called(patch):
         place = called[2]
@@ -75,7 +75,7 @@ def _unknown(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
 
 
 def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:
-    """A patch that was edited while it runs, changed as it was at the start where `recordings` replaced its steps."""
+    """Return a patch edited during the show, adapted like at the start if `recordings` replaced its steps."""
     if not recordings:
         return patch
     limits, clock = running.locomotion, running.clock.beats_per_measure
@@ -85,39 +85,40 @@ def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: b
 
 
 def with_locomotion(patch: Patch, **changes: float) -> Patch:
-    """The patch with some values of `[locomotion]` changed."""
+    """Return the patch with some values of `[locomotion]` changed."""
     return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
 RECORDED_M: Final = (0.25, 0.35)
-"""How far apart poses of recordings may be to be joined [m]: if possible, and if some step is left alone else."""
+"""Thresholds on the pose distance for transitions between recordings [m]: preferred, and used if the preferred one
+leaves a step without transitions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedShow:
-    """A patch with its motion graph; `recordings` is the folder that replaced the patch's steps, if one did."""
+    """A patch with its motion graph; `recordings`: the folder that replaces the patch's steps, if any."""
 
     path: Path
     patch: Patch
     graph: MotionGraph
     recordings: Path | None = None
     reserve: Mapping[str, StepClip] = field(default_factory=dict)
-    """Clips left out at the start, for events that add them, by `clip_key`."""
+    """Clips not in the graph at the start, for events that add them, by `clip_key`."""
     bank: TextureBank | None = None
-    """What upper bodies may be textured with, if the patch names recordings."""
+    """Motion for texturing upper bodies, if the patch names recordings."""
     answers: AnswerBank | None = None
-    """What partners answer from, if the patch has any."""
+    """Examples for partner responses, if the patch has any."""
     sources: TomlSources | None = None
-    """Where each key of the patch stands; None if it was not read from files."""
+    """File and line of each key of the patch; None if it was not read from files."""
     projector: VenueProjector | None = None
-    """The hall's, which the patch is played with; see `played_in`."""
+    """The venue's projector, if the patch is adapted to it; see `played_in`."""
 
     def played_in(self, projector: VenueProjector | None) -> "LoadedShow":
-        """The same where a hall has that projector; PersonError if it cannot see this show's stage so."""
+        """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
         return replace(self, patch=in_hall(self.patch, projector), projector=projector)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
-        """A fresh show at its first moment; PersonError for a step that is not there. `begin`: see `Assembly`."""
+        """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `Assembly`."""
         try:
             return Show(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
@@ -129,8 +130,8 @@ class LoadedShow:
             raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
     def scene(self, *, whole: bool = True) -> Scene:
-        """What the renderer begins with; PersonError for a file that it cannot show. If it need not be `whole`, whoever
-        wears a character that cannot be drawn now has the usual body, and backgrounds that cannot be are not seen."""
+        """Return the renderer's initial scene; PersonError for a file that cannot be shown. Unless `whole`, a character
+        that cannot be drawn is replaced by the default body, and a background that cannot be shown is left out."""
         try:
             found = files_of(self.patch, self.path) if whole else drawable(self.patch, self.path)
             return scene_of(self.patch, self.path, found, whole=whole)
@@ -138,18 +139,18 @@ class LoadedShow:
             raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
 
     def _where(self, place: tuple[str | int, ...]) -> str:
-        """File and, if it is known, line of a key of the patch, with the key."""
+        """Return file, line (if known) and key of an entry of the patch."""
         if self.sources is None or not place:
             return str(self.path)
         return f"{self.sources.told(place)}: {field_words(place)}"
 
     def clips(self) -> list[StepClip]:
-        """All clips as a start would find them now."""
+        """Read all clips again, as at a start."""
         return clips_of(self.patch, self.path, self.recordings)
 
     @property
     def steps_folder(self) -> Path | None:
-        """The folder of this show's own steps, None if it dances the project's."""
+        """The folder of this show's own steps; None if it uses the project's."""
         folder = self.recordings or find_beside(self.patch.steps, self.path)
         common = PATCHES / "steps"
         own = folder is not None and folder.is_dir() and not (common.is_dir() and common.samefile(folder))
@@ -157,7 +158,7 @@ class LoadedShow:
 
     @property
     def music_path(self) -> Path | None:
-        """The patch's own music, if it names one; PersonError if that is not there."""
+        """The patch's own music file, if it names one; PersonError if it does not exist."""
         name = self.patch.music.file
         if name is None:
             return None
@@ -167,7 +168,7 @@ class LoadedShow:
         return found
 
     def header(self, show: Show, *, tempo: float | None, music: Path | None = None) -> dict[str, Any]:
-        """What a journal must hold so that the show can be run again; `music`: the file that is played to it."""
+        """Return the journal header with all that a replay needs; `music`: the file that is played."""
         return {
             "patch_path": str(self.path.resolve()),
             "patch": self.patch.written(),
@@ -184,7 +185,7 @@ class LoadedShow:
 
 @contextlib.contextmanager
 def _no_collection() -> Iterator[None]:
-    """No automatic garbage collection meanwhile: in a score of 20,000 entries it takes a third of the time.
+    """Disable automatic garbage collection, which takes a third of the load time of a score of 20,000 entries.
 
     Thread: the main one, before the show runs.
     """
@@ -198,8 +199,8 @@ def _no_collection() -> Iterator[None]:
 
 
 def load_show(path: Path, *, recordings: Path | None = None, whole: bool = True) -> LoadedShow:
-    """Read the patch at `path` and its steps, or the recordings of a folder in their place. If it need not be `whole`,
-    own passes and characters are not tried: for who goes on with a show in which they were."""
+    """Read the patch at `path` and its steps, or a folder of recordings in their place. Unless `whole`, custom passes
+    and characters are not tested: for processes that continue a show in which they were."""
     with _no_collection():
         patch, sources = read_sources(path)
     if whole:
@@ -217,7 +218,7 @@ def load_show(path: Path, *, recordings: Path | None = None, whole: bool = True)
 
 @contextlib.contextmanager
 def told_with_place(sources: TomlSources) -> Iterator[None]:
-    """Whatever a person is told from within with the keys that lead to it begins with file, line and these keys."""
+    """Prefix every PersonError raised in the block with file, line and keys of its place."""
     try:
         yield
     except PersonError as error:
@@ -226,12 +227,12 @@ def told_with_place(sources: TomlSources) -> Iterator[None]:
 
 
 def clips_of(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
-    """The clips that a show of the patch begins with, in their order."""
+    """Return the clips with which a show of the patch begins, in order."""
     return _sketched(patch, path) if recordings is None else load_folder(recordings)
 
 
 def as_they_were(clips: list[StepClip], names: Sequence[str], was: Mapping[str, StepClip]) -> list[StepClip]:
-    """The clips called `names`, in that order, those in `was` as they were."""
+    """Return the clips called `names`, in that order; clips in `was` replace those of the same key."""
     there = {clip_key(clip): clip for clip in clips} | dict(was)
     return [there[name] for name in names if name in there]
 
@@ -245,10 +246,10 @@ def show_of(
     names: Sequence[str] = (),
     was: Mapping[str, StepClip] | None = None,
 ) -> LoadedShow:
-    """The show of a patch that was read already; `path` is where its names are looked up.
+    """Load the show of a patch that was read already; file names are resolved relative to `path`.
 
-    Clips whose `clip_key` is in `later` are left out, and kept in reserve. For a replay: `names` of the clips that it
-    began with (whatever has come since is left out), and what files held that have changed since (`was`).
+    Clips whose `clip_key` is in `later` are kept in reserve. For a replay: `names` lists the initial clips (later
+    files are ignored), and `was` holds the former content of changed files.
     """
     found = clips_of(patch, path, recordings)
     there = {clip_key(clip): clip for clip in found} | dict(was or {})
@@ -260,7 +261,7 @@ def show_of(
     if not fitting:
         metres = ", ".join(str(beats) for beats in sorted({clip.beats_per_measure for clip in clips}))
         raise PersonError(
-            f"{path}: no step has {patch.clock.beats_per_measure} beats a measure; those there are have {metres}",
+            f"{path}: no step has {patch.clock.beats_per_measure} beats per measure; the steps found have {metres}",
             "change clock.beats_per_measure, or add such steps",
         )
     try:
@@ -286,18 +287,18 @@ def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:
 
 
 def _nearest_joins(library: StepLibrary, patch: Patch) -> Patch:
-    """The patch with the smaller threshold for recordings, if that leaves no step alone; else with the larger one."""
+    """Return the patch with the smaller threshold for recordings if it connects all steps, else with the larger."""
     least, most = (max(patch.locomotion.threshold_m, threshold) for threshold in RECORDED_M)
     for threshold in (least, most):
         patch = with_locomotion(patch, threshold_m=threshold)
-        with contextlib.suppress(ValueError):  # the larger one is tried, and told, below
+        with contextlib.suppress(ValueError):  # raised by the caller if the larger threshold fails, too
             if not _graph_of(library, patch).missing:
                 break
     return patch
 
 
 def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> None:
-    """PersonError if a group names a step that is there, but of another metre."""
+    """Raise PersonError if a group names a step that exists only in another metre."""
     beats = patch.clock.beats_per_measure
     others = {clip.step.casefold(): clip.beats_per_measure for clip in clips if clip.beats_per_measure != beats}
     for group in patch.group:
@@ -305,13 +306,13 @@ def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> Non
             name = parse_entry(entry)[0]
             if name.casefold() in others:
                 raise PersonError(
-                    f"{path}: step {name!r} of group {group.name!r} has {others[name.casefold()]} beats a measure, "
+                    f"{path}: step {name!r} of group {group.name!r} has {others[name.casefold()]} beats per measure, "
                     f"this show has {beats}"
                 )
 
 
 def _sketched(patch: Patch, path: Path) -> list[StepClip]:
-    """The steps of the patch's own folder, and the project's for every name that it does not have."""
+    """Return the steps of the patch's own folder, and the project's steps for all other names."""
     folder = find_beside(patch.steps, path)
     if folder is None or not folder.is_dir():
         raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")

@@ -1,11 +1,8 @@
-"""Show: the deterministic core. Events and ticks in, states and views out; it reads no clock, device or disk.
+"""Show: the deterministic simulation core. It reads no clock, device or disk.
 
-The same patch, library, seed and (tick, event) list give bit-identical states, live or replayed.
-
-Acting: an event that cannot act, for an error of this program, is refused by everybody in the same way.
-
-The engine that dances, the one that goes on after it, a machine that stands by and a replay all come to the same state:
-what the event had done before the error stays done, the same everywhere, and the show goes on.
+The same patch, library, seed and (tick, event) list give bit-identical states, live or replayed. An event that raises
+is refused the same way by engine, warm standby, second machine and replay: its effects before the error remain, so all
+reach the same state and the show continues.
 """
 
 from collections.abc import Iterable
@@ -28,28 +25,28 @@ from live.show.selection.nearest_steps import repeat_measure
 from live.show.selection.scheduler import DECIDE_BEATS
 
 FADE_HALFLIFE = 0.06
-"""Half-life of a blackout's fade [s]: dark within a fifth of a second, without a flash."""
+"""Half-life of a blackout's fade [s]: dark within 0.2 s, without a flash."""
 SHORTEST_RETIME = 0.5
-"""A measure is never re-timed to end within fewer beats than this."""
+"""Minimum remaining length of a re-timed measure [beats]."""
 LEAP = 1e-6
-"""The clock's beat has jumped if it is so far [beats] from where the last tick's Timeline takes it."""
+"""The clock has jumped if its beat differs by more than this from the last tick's Timeline [beats]."""
 CALLS_IN_TURN = 4
-"""A signal may call what gives a signal ... so many times in one tick; the rest waits for the next."""
+"""Maximum depth of signals that trigger signals in one tick; the rest waits for the next tick."""
 LINES_PER_TICK = 4
-"""Measure lines crossed in one tick at most, should the tempo ever run away."""
+"""Maximum number of measure lines crossed in one tick, in case the tempo runs away."""
 
 
 class Show(Dispatch):
     """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame.
 
-    A tick is a row of stages. Each asks its breaker first: what a stage does that is out of service, and what others
-    need of it, is worked out from what is at hand, so that the show goes on whichever fails.
+    A tick is a sequence of stages. Each stage first checks its circuit breaker. If it is tripped, a fallback computes
+    what later stages need, so the show continues whichever stage fails.
     """
 
     def tick(self, time: float) -> bool:
         """Advance to the tick at `time` [s]; True if a measure line was crossed.
 
-        Where it ends in an error the state is of no use any more; `breakers.running` says in which stage that was.
+        After an exception the state is unusable; `breakers.running` is the stage that failed.
         """
         self.time = time
         crossed = self._tick(time) if self.breakers.closed(Stage.TICK) else self._stand(time)
@@ -76,7 +73,7 @@ class Show(Dispatch):
         return crossed
 
     def _move(self, fraction: float, time: float) -> None:
-        """Agents and dancers, at `fraction` of the measure."""
+        """Advance agents and dancers to `fraction` of the measure."""
         closed, carrying = self.breakers.closed, self.scheduler.carrying
         if closed(Stage.STEERING):
             speed, dancer = self.scheduler.speed, carrying.reference
@@ -95,10 +92,10 @@ class Show(Dispatch):
             if len(partners.leader) or self.dancers.hands.held:
                 self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
 
-    # -- the clock and its lines -----------------------------------------------------------------------------------
+    # -- clock and measure lines -----------------------------------------------------------------------------------
 
     def _advance_clock(self, time: float) -> float:
-        """The beat at `time` [s]; the measure that is danced follows a clock that has moved."""
+        """Advance the clock to `time` [s], re-time the current measure if needed, and return the beat."""
         level, leapt = self.breakers.level(Stage.CLOCK), False
         if not level:
             expected = self.timeline.beat_at(time)
@@ -115,7 +112,7 @@ class Show(Dispatch):
         return beat
 
     def _fraction(self, beat: float) -> float:
-        """How far the measure is at `beat`."""
+        """Return the fraction of the measure at `beat`."""
         if self.breakers.closed(Stage.MEASURE):
             return self.span.fraction(beat)
         return min(max(1.0 - (self.span.end - beat) / self.patch.clock.beats_per_measure, 0.0), 1.0)
@@ -131,7 +128,7 @@ class Show(Dispatch):
         return crossed
 
     def _stand(self, time: float) -> bool:
-        """A tick in which nobody moves; measures are counted all the same."""
+        """Run a tick without motion; measures are still counted."""
         self._beat += self._beats_per_tick
         crossed = self._beat >= self.span.end
         if crossed:
@@ -140,7 +137,7 @@ class Show(Dispatch):
         return crossed
 
     def _next_plain(self) -> MeasureSpan:
-        """A measure as long as all, after this one."""
+        """Return the next measure, of the patch's length."""
         end, beats = self.span.end, self.patch.clock.beats_per_measure
         return MeasureSpan(self.span.number + 1, end, end + beats, beats)
 
@@ -187,11 +184,11 @@ class Show(Dispatch):
             self.scheduler.carrying.begin_measure(anew=bool(len(entered)))
 
     def _enter(self, beat: float) -> npt.NDArray[np.intp]:
-        """Who comes onto the stage with the measure that begins at `beat`."""
+        """Begin the motion of the measure at `beat`; return the dancers that enter the stage."""
         heading = self.dancers.present.begin_heading()
         try:
             entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
-        except PersonError as error:  # a score that asks for the impossible in measure 200 stops no show
+        except PersonError as error:  # an impossible entry late in a score must not stop the show
             self.refusals.add(f"score: {error}")
             return np.zeros(0, np.intp)
         if len(entered):
@@ -200,10 +197,10 @@ class Show(Dispatch):
             self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
         return entered
 
-    # -- what the show itself does ---------------------------------------------------------------------------------
+    # -- events issued by the show itself --------------------------------------------------------------------------
 
     def _fire(self, line: float | None = None) -> None:
-        """What waits for a danced beat up to `line` (None: that of now) happens, and what that calls at once."""
+        """Apply everything scheduled up to the danced beat `line` (None: now), and what that triggers at once."""
         for _ in range(CALLS_IN_TURN):
             due: list[ControlEvent] = []
             if self.breakers.closed(Stage.SCORE):
@@ -215,7 +212,7 @@ class Show(Dispatch):
             self._give(due)
 
     def _give(self, calls: Iterable[ControlEvent]) -> None:
-        """Let events act that the show gives itself."""
+        """Apply events that the show issues itself."""
         for event in calls:
             if self.breakers.calls(type(event).__name__):
                 self._act_on(event)
@@ -227,7 +224,7 @@ class Show(Dispatch):
             self._take_patch()
 
     def _select(self, beat: float, time: float) -> None:
-        """This tick's share of choosing what comes next."""
+        """Do this tick's share of the step selection."""
         level = self.breakers.level(Stage.SELECTION)
         if not level:
             self.scheduler.work(self.span, self.timeline, time)
@@ -235,7 +232,7 @@ class Show(Dispatch):
             self.scheduler.decide_nearest(self.motion.floor.half)
 
     def _decide(self, time: float) -> None:
-        """The line is here, and nobody's next measure is chosen."""
+        """Choose all next measures at once, because the measure line is reached."""
         level = self.breakers.level(Stage.SELECTION)
         if not level:
             self.scheduler.decide(self.span, self.timeline, time)
@@ -245,7 +242,7 @@ class Show(Dispatch):
             repeat_measure(self.dancers)
 
     def _answer(self, fraction: float, time: float) -> None:
-        """Who answers others is taken along; what she dances is told whoever reacts to it."""
+        """Advance the partner response, move the agents of followers, and pass new units to the reactions."""
         answering, state = self.dancers.answering, self.state
         if answering is None:
             return
@@ -258,35 +255,35 @@ class Show(Dispatch):
             self.prompter.take_reactions(self.danced, time)
 
     def moment(self, time: float) -> Moment:
-        """Musical time at `time` [s]."""
+        """Return the musical time at `time` [s]."""
         return Moment.of(self.timeline, time, self.follower.confidence)
 
     def why(self) -> dict[str, Any] | None:
-        """Why the dancer somebody asked about dances what she dances, see `Choices.why`; None for nobody."""
+        """Explain the selected dancer's current step, see `Choices.why`; None if no dancer is selected."""
         asked = self.directions.asked
         return None if asked is None else self.scheduler.choices.why(asked, self.scheduler.choosing)
 
-    # -- what is seen ------------------------------------------------------------------------------------------
+    # -- drawing snapshot --------------------------------------------------------------------------------------
 
     def view(self) -> StageView:
-        """An empty drawing snapshot of the right size, to be filled each frame."""
+        """Return an empty drawing snapshot of the right size, to be filled each frame."""
         return self._seen.view()
 
     def fill(self, view: StageView, time: float) -> None:
-        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one."""
+        """Fill the snapshot for `time` [s], at most a tick after the last one; poses are at the exact beat."""
         tempo, brightness = self.follower.tempo, self.brightness * self.desk.master.level
         self._seen.fill(view, time, self.timeline, self.span, tempo=tempo, brightness=brightness, ticked=self.time)
 
     def state_hash(self) -> str:
-        """A short hash over every bit of the agents' and dancers' states and the poses of this tick."""
+        """Return a short hash over every bit of the agents' and dancers' states and the poses of this tick."""
         brightness = self.brightness * self.desk.master.level
         return self._seen.state_hash(self.time, self.timeline, self.span, brightness=brightness)
 
 
 def act(show: Show, event: ControlEvent) -> bool | None:
-    """Let an event act, from the next tick on; False if it asked for what is not there, None if it failed."""
+    """Apply an event, effective from the next tick; False if it was refused, None if it raised."""
     try:
         return show.apply(event)
-    except Exception as error:  # whatever it is: one event less, and not a show less
+    except Exception as error:  # one failed event must not end the show
         show.refusals.add(f"{type(event).__name__} failed: {type(error).__name__}: {error}")
         return None

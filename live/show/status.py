@@ -1,7 +1,4 @@
-"""Status: the figures of a running show, one JSON object a second in the form of the contracts.
-
-Pressure: how hard it is for the machine to keep up, as one number for whoever can draw less.
-"""
+"""Status figures of a running show, written as one JSON object per second, and its measure of overload."""
 
 import json
 import math
@@ -19,30 +16,30 @@ from live.show.selection.choices import why_in_words
 from live.show.show import Show
 
 KEPT = 4096
-"""Frame times kept for the percentiles: about the last minute."""
+"""Number of frame times kept for the percentiles: about the last minute."""
 
 
 class FrameTimes:
-    """The last frame times in milliseconds, in a preallocated ring."""
+    """Ring buffer of the last frame times [ms]."""
 
     def __init__(self) -> None:
         self._ring = np.zeros(KEPT)
         self._count = 0
 
     def add(self, seconds: float) -> None:
-        """Note one frame that took `seconds`."""
+        """Record one frame that took `seconds`."""
         self._ring[self._count % KEPT] = seconds * 1e3
         self._count += 1
 
     def percentiles(self, *shares: float) -> list[float]:
-        """Percentiles [ms] of the frames kept; zeros before the first."""
+        """Return percentiles of the kept frame times [ms]; zeros before the first frame."""
         if not self._count:
             return [0.0] * len(shares)
         return [round(float(v), 3) for v in np.percentile(self._ring[: min(self._count, KEPT)], shares)]
 
 
 class Status:
-    """Counts what happens and says it once a second."""
+    """Counters and figures of one show, for the status line and the overlay."""
 
     def __init__(
         self,
@@ -53,10 +50,10 @@ class Status:
         level: Callable[[], float | None] = lambda: None,
         refusal: Callable[[], str] = lambda: "",
     ) -> None:
-        """`rejected`: counts by reason from the inputs; `memory`: resident memory [MB].
+        """`rejected`: rejected inputs by reason; `memory`: resident memory [MB].
 
-        For the overlay: `level`, RMS of what an input device hears (None: there is none), and `refusal`, the last
-        refusal in words.
+        For the overlay: `level`, the RMS of the audio input (None: no input), and `refusal`, the last refusal in
+        words.
         """
         self._level = level
         self._refusal = refusal
@@ -66,11 +63,11 @@ class Status:
         self._overlay: tuple[str, ...] = ()
         self._overlay_until = 0.0
         self.frame_times = FrameTimes()
-        """From one frame to the next."""
+        """Intervals between frames."""
         self.work_times = FrameTimes()
-        """From a frame's beginning until it is done, by the clock: with what it waited for."""
+        """Wall time of each frame from begin to end, including waiting."""
         self.processor_times = FrameTimes()
-        """Time of the processor that the main thread used in a frame: nothing for what it waited."""
+        """CPU time of the main thread in each frame."""
         self.frames = 0
         self.late_frames = 0
         self.ticks = 0
@@ -78,21 +75,21 @@ class Status:
         self.events_accepted = 0
         self.dropped_events = 0
         self.outranked = 0
-        """Values that gave way to an operator's or a musician's."""
+        """Values displaced by a source of higher rank (an operator or a musician)."""
         self.impossible = 0
-        """What sources said that is no number."""
+        """Measurements with NaN or infinity."""
         self.more: dict[str, Callable[[], Any]] = {}
-        """What other parts have to say, by its key in the snapshot."""
+        """Figures of other parts, by key in the snapshot."""
         self.tool = ""
-        """What the pointer places, for the overlay; empty until the operator chose."""
+        """The pointer's tool, for the overlay; empty until the operator chooses one."""
         self._calls = Bulkhead()
         self.notes: list[Callable[[], str]] = []
-        """What is wrong now, for the overlay: a line of words from each, or nothing."""
+        """Current problems, for the overlay: each returns a line, or an empty string."""
         self.faults = 0
-        """Frames in which drawing failed and the show went on."""
+        """Frames in which drawing failed and the show continued."""
 
     def _refused(self) -> Counter[str]:
-        """What was refused, by reason."""
+        """Return the refused events by reason."""
         rejected, show = Counter(self._rejected()), self._show
         if self.dropped_events:
             rejected["inbox full"] += self.dropped_events
@@ -105,11 +102,11 @@ class Status:
         return rejected
 
     def refused(self) -> int:
-        """How much was refused in all."""
+        """Return the number of all refused events."""
         return self._refused().total()
 
     def snapshot(self, time: float) -> dict[str, Any]:
-        """All figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
+        """Return all figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
         show = self._show
         moment = show.moment(time)
         danced = show.span.fraction(moment.beat) * show.timeline.beats_per_measure
@@ -150,7 +147,7 @@ class Status:
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
-        """The operator's lines on the picture, made anew four times a second; those of cues count every beat."""
+        """Return the operator's overlay lines, updated four times a second; those of cues at every beat."""
         if time >= self._overlay_until:
             self._overlay_until = time + 0.25
             self._overlay = self._overlay_lines(time)
@@ -179,7 +176,7 @@ class Status:
 
 
 def clock_figures(follower: TimelineFollower) -> dict[str, Any]:
-    """What there is to say of the clock beside tempo, beat and state."""
+    """Return the figures of the clock other than tempo, beat and state."""
     jump = follower.last_jump
     return {
         "metre": follower.timeline.beats_per_measure,
@@ -193,7 +190,7 @@ def clock_figures(follower: TimelineFollower) -> dict[str, Any]:
 
 
 def clock_in_words(figures: dict[str, Any]) -> str:
-    """The overlay's line on the clock: who is followed, how sure that is, and what waits or was chosen."""
+    """Return the overlay's line on the clock: source, state and confidence, and what it waits for."""
     words = [str(figures["source"])]
     if figures["source"] != "internal":
         words += [str(figures["clock_state"]), f"sure to {figures['confidence']:.0%}"]
@@ -209,10 +206,10 @@ def clock_in_words(figures: dict[str, Any]) -> str:
 
 
 class StatusFile:
-    """Writes a status line once a second, by a thread of its own; a full disk is counted and forgotten."""
+    """Writes a status line once a second in a thread of its own; lines lost to a full disk are counted."""
 
     def __init__(self, path: Path, status: Status, *, more: bool = False) -> None:
-        """Raises OSError if the file cannot be made; `more`: lines are added to those that are there."""
+        """Raises OSError if the file cannot be made; `more`: append to an existing file."""
         self._writer = LineWriter(path, name="status", more=more)
         self._status = status
         self._next = 1.0
@@ -223,27 +220,27 @@ class StatusFile:
         return self._writer.dropped
 
     def frame(self, time: float) -> None:
-        """To be called each frame: notes the figures when a second has passed."""
+        """Write the figures if a second has passed. Call it each frame."""
         if time < self._next:
             return
         self._next = float(int(time) + 1)
         self._writer.line(json.dumps(self._status.snapshot(time)))
 
     def close(self, time: float) -> None:
-        """Note the last figures, if they are not just noted, and close the file."""
+        """Write the last figures, unless they were just written, and close the file."""
         if time > self._next - 0.9:
             self._writer.line(json.dumps(self._status.snapshot(time)))
         self._writer.close()
 
 
 HALFLIFE: Final = 2.0
-"""After so many seconds a late frame counts half."""
+"""Half-life of a late frame's weight [s]."""
 FULL: Final = 0.1
-"""This share of late frames is all the pressure there is: a dance that stutters."""
+"""Share of late frames that counts as full pressure: visible stutter."""
 
 
 class Pressure:
-    """0 where every frame is in time, 1 where a tenth of them or more is late, or the machine has far too much to do.
+    """Overload of the machine: 0 if every frame is in time, 1 if a tenth or more are late or the supervisor reports it.
 
     Thread: the show's.
     """
@@ -259,9 +256,9 @@ class Pressure:
         return max(min(self._share / FULL, 1.0), self._overload)
 
     def frame(self, late: int, seconds: float, overload: float = 0.0) -> None:
-        """After each frame: `late` frames since the start, and how long this one took from the last one [s].
+        """Update after each frame. `late`: late frames since the start; `seconds`: time since the last frame.
 
-        `overload`: 0 to 1, what whoever watches over the show feels of a machine that has too much to do.
+        `overload`: the supervisor's estimate, 0 to 1.
         """
         self._overload = overload
         kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)

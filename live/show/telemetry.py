@@ -1,7 +1,5 @@
-"""Outgoing: what of a running show others are told as it happens: Timeline, measures, steps, feet, places.
-
-Readable: what everything in a running show that has a present value is now, by the address that sets or shows it.
-"""
+"""Telemetry of a running show: outgoing notices (Timeline, measures, steps, footfalls, positions) and the current
+value of every control, by address."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -23,9 +21,9 @@ from live.show.show import Show
 from live.show.status import Status
 
 NEWS_AT_ONCE: Final = 64
-"""Steps and feet of one frame that are told; a whole company that begins a step at once is told in the next frames."""
+"""Maximum number of step and foot notices sent per frame; the rest follows in the next frames."""
 CLOSE: Final = 1e-6
-"""Beats by which Timelines may differ and still say the same."""
+"""Tolerance for two Timelines to count as equal [beats]."""
 ROWS_AT_ONCE: Final = 1000
 _SIDES: Final = ("left", "right")
 
@@ -33,10 +31,10 @@ Told = tuple[str, Any]
 
 
 class Outgoing:
-    """Looks at one show after each frame and changes nothing. Thread: the show's."""
+    """Collects notices about one show after each frame; read-only. Thread: the show's."""
 
     def __init__(self, show: Show, *, positions: float = 10.0, feet: bool = True) -> None:
-        """`positions`: how many times a second places are told, 0 for never."""
+        """`positions`: how often positions are sent [1/s]; 0: never."""
         self._show, self._positions = show, positions
         self._feet = Footfalls(show) if feet else None
         self._timeline: Timeline | None = None
@@ -48,15 +46,15 @@ class Outgoing:
         self._due = 0.0
         self._units = 0
         self.left_out = 0
-        """Feet and steps that were too many to be told."""
+        """Step and foot notices dropped because there were too many."""
 
     def anew(self) -> None:
-        """Somebody else listens now, and knows nothing."""
+        """Send Timeline and measure again, for a new receiver."""
         self._timeline = None
         self._measure = (-1, 0.0)
 
     def frame(self, view: StageView) -> list[Told]:
-        """What there is to tell after the frame for which `view` was filled."""
+        """Return the notices after the frame for which `view` was filled."""
         show = self._show
         told: list[Told] = []
         measure = (show.span.number, show.span.end)
@@ -86,7 +84,7 @@ class Outgoing:
         return told
 
     def _note_units(self) -> None:
-        """What who answers a leader dances."""
+        """Add notices of the units that responding partners dance."""
         answering = self._show.dancers.answering
         if answering is None or answering.leaders.told == self._units:
             return
@@ -96,7 +94,7 @@ class Outgoing:
         self._units = answering.leaders.told
 
     def _note_steps(self, view: StageView) -> None:
-        """Who begins another step."""
+        """Add notices of dancers that begin another step."""
         library = self._show.graph.library
         step = library.node_step[self._show.dancers.node]
         if library.steps != self._names:
@@ -111,13 +109,13 @@ class Outgoing:
 
 
 def _alike(one: Timeline, other: Timeline, time: float) -> bool:
-    """Whether two Timelines say the same from `time` [s] on, for whoever hears their beats."""
+    """Whether two Timelines are equal from `time` [s] on, for a listener to the beats."""
     same_lines = one.beats_per_measure == other.beats_per_measure and one.measure_origin == other.measure_origin
     return same_lines and one.tempo == other.tempo and abs(one.beat_at(time) - other.beat_at(time)) < CLOSE
 
 
 def places(view: StageView) -> bytes:
-    """Rows (number from 1, x, z [m], heading [rad]) of the dancers on the stage, as float32."""
+    """Return rows (number from 1, x, z [m], heading [rad]) of the dancers on the stage, as float32 bytes."""
     there = np.flatnonzero(view.present)[:ROWS_AT_ONCE]
     w, x, y, z = view.joint_rotation[there, 0].T
     hips = view.joint_position[there, 0]
@@ -126,19 +124,19 @@ def places(view: StageView) -> bytes:
 
 
 FINEST: Final = 6
-"""Digits of a number that count: more say nothing to a person, and would make every value another one."""
+"""Significant digits of a value. More are of no use to a person, and would make every value a change."""
 _SWITCHES: Final = frozenset(address for address, (_, known) in MOTION_PARAMETERS.items() if known.type == "bool")
 FIGURES_EVERY: Final = 16
-"""Percentiles of frames are taken anew at every so many looks."""
+"""The frame percentile is recomputed once in this many calls."""
 
 
 class Readable:
-    """Looks at one show and changes nothing. Thread: the show's."""
+    """Current values of one show, by address; read-only. Thread: the show's."""
 
     def __init__(self, show: Show, status: Status) -> None:
         self._show, self._status = show, status
         self.more: dict[str, Callable[[], Plain | None]] = {}
-        """What other parts know, by address; None: it has no value now."""
+        """Values of other parts, by address; None: no value now."""
         table = show.desk.parameters.table
         self._found: list[tuple[str, list[Parameter]]] = [(address, table.find(address)) for address in addresses()]
         self._row: npt.NDArray[np.float64] = np.zeros(0)
@@ -148,7 +146,7 @@ class Readable:
         self._frame_ms = 0.0
 
     def changes(self) -> dict[str, Rows]:
-        """What has another value than at the last look; at the first look all."""
+        """Return the values that have changed since the last call; all at the first call."""
         found = self._parameters()
         for address, values in self._singles().items():
             found[address] = (("", values),)
@@ -158,7 +156,7 @@ class Readable:
         return new
 
     def _parameters(self) -> dict[str, Rows]:
-        """The parameters of which a number has changed."""
+        """Return the parameters with a changed value."""
         parameters = self._show.desk.parameters
         row, names = parameters.present(), parameters.table.names
         if len(row) == len(self._row) and names == self._names:
@@ -175,7 +173,7 @@ class Readable:
         return found
 
     def _of(self, those: list[Parameter]) -> Rows:
-        """One value where all groups have the same, else that of each."""
+        """Return one value if all groups have the same, else one per group."""
         as_said: Callable[[float], Plain] = bool if those[0].address in _SWITCHES else _plain
         values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
         if all(value == values[0] for value in values):
@@ -183,7 +181,7 @@ class Readable:
         return tuple((self._names[one.group], value) for one, value in zip(those, values, strict=True))
 
     def _partners(self) -> dict[str, Rows]:
-        """What is asked of those who answer a leader; nothing where there are none."""
+        """Return the settings of partner responses; defaults if there are none."""
         answering = self._show.dancers.answering
         asked = [] if answering is None else answering.asked
         keys: dict[str, Callable[[Asked], Plain]] = {
@@ -197,7 +195,7 @@ class Readable:
         }
 
     def _mocap(self) -> dict[str, Rows]:
-        """What is said of captured performers; nothing where there are none."""
+        """Return the settings of captured performers; empty if there are none."""
         said = {name: captured.said for name, captured in self._show.mocap.performers.items()}
         return {
             f"/dance/mocap/{what}": tuple((name, tuple(map(_as_told, now[what]))) for name, now in said.items())
@@ -205,7 +203,7 @@ class Readable:
         }
 
     def _singles(self) -> dict[str, tuple[Plain, ...]]:
-        """What is of the whole show."""
+        """Return the values of the whole show."""
         show, status = self._show, self._status
         follower, desk, prompter = show.follower, show.desk, show.prompter
         width, depth = (2.0 * show.motion.floor.half).tolist()
@@ -259,7 +257,7 @@ class Readable:
 
 
 def _notes(played: NotesHeard | None) -> dict[str, Any]:
-    """What is played over MIDI."""
+    """Return the figures of the notes played over MIDI."""
     return {
         STATUS + "note_energy": 0.0 if played is None else round(played.energy, 3),
         STATUS + "note_density": 0.0 if played is None else round(played.density, 3),

@@ -1,4 +1,4 @@
-"""RelaySink: the journal goes to the supervisor, line by line, before what it tells of acts; else to its file."""
+"""Journal sink that sends each line to the supervisor before its event is applied, or writes the file itself."""
 
 import base64
 import json
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
 
 
 MOST: Final = 65536
-"""Lines that are kept until they are said to be on the disk; then the oldest are given up."""
+"""Most lines kept until they are confirmed as written; beyond that the oldest are dropped."""
 
 
 class RelaySink:
-    """A `JournalSink`: each line is in another process' hands when `put` comes back.
+    """A `JournalSink`: `put` returns once the supervisor's channel has the line.
 
-    Lines are kept until the supervisor says that they are written: if it dies, the journal goes on in its file, by a
-    thread of this process, and nothing is lost; a supervisor that adopts this engine goes on with it. Snapshots are
+    Lines are kept until the supervisor confirms that they are written. If it dies, a thread of this process continues
+    the journal in its file, and nothing is lost. A supervisor that adopts this engine continues it again. Snapshots are
     sealed by a thread and sent with the next `flush`. Thread: the show's.
     """
 
     def __init__(self, lifeline: Lifeline, path: Path | None = None) -> None:
-        """`path`: where the supervisor writes the journal; None: nowhere."""
+        """`path`: file to which the supervisor writes the journal; None: none."""
         self._lifeline, self._wire, self._path = lifeline, lifeline.wire, path
         self._lines = self._snapshots = self._lost = self._missing = self._given_up = 0
         self._unwritten: deque[tuple[int, str]] = deque()
         self._file: JournalFile | None = None
         self._ends: JournalFile | None = None
-        self._adoption = False  # of which the supervisor waits for the word that this process writes no more
+        self._adoption = False  # the new supervisor waits until this process has stopped writing
         self._number = 0
         self._taken: queue.Queue[Taken | None] = queue.Queue(2)
         self._sealed: deque[tuple[str, bytes]] = deque(maxlen=4)
@@ -45,7 +45,7 @@ class RelaySink:
         lifeline.on_adopted = self._adopted
 
     def put(self, line: str) -> None:
-        """Send one line, without its end."""
+        """Send one line, without its line end."""
         self._lines += 1
         self._lifeline.log.note(line)
         if self._wire.ended:
@@ -61,14 +61,14 @@ class RelaySink:
         self._keep(self._wire.taken, text)
 
     def snapshot(self, taken: "Taken") -> None:
-        """Have a snapshot sealed; one that comes too soon after others is left out."""
+        """Queue a snapshot for sealing; it is dropped if the queue is full."""
         try:
             self._taken.put_nowait(taken)
         except queue.Full:
             self._lost += 1
 
     def flush(self) -> None:
-        """Once a frame: send the snapshots that are sealed by now, and forget what is written."""
+        """Send the snapshots that are sealed by now and drop the lines that are written. Called once per frame."""
         if self._wire.ended:
             self._begin_file()
         elif self._adoption and (self._ends is None or self._ends.end()):
@@ -85,7 +85,7 @@ class RelaySink:
             self._snapshots += 1
 
     def facts(self) -> dict[str, int]:
-        """For the status; what becomes of the lines on disk the supervisor knows, if there is one."""
+        """Return figures for the status. If there is a supervisor, it counts the lines on disk."""
         facts = {
             "lines": self._lines,
             "dropped": self._wire.dropped,
@@ -104,7 +104,7 @@ class RelaySink:
         }
 
     def close(self) -> None:
-        """Send what waits."""
+        """Send everything pending."""
         self._taken.put(None)
         self._thread.join(1.0)
         self.flush()
@@ -113,7 +113,7 @@ class RelaySink:
                 file.close()
         self._wire.flush()
 
-    # -- what the supervisor has not written yet ------------------------------------------------------------------
+    # -- lines the supervisor has not written yet ------------------------------------------------------------------
 
     def _keep(self, number: int, line: str) -> None:
         if self._path is None:
@@ -124,7 +124,7 @@ class RelaySink:
         self._unwritten.append((number, line))
 
     def _forget(self) -> None:
-        """What is written is kept no more."""
+        """Drop the lines that are written."""
         if self._file is not None and (there := self._file.written) is not None:
             self._lifeline.written, self._lifeline.snapshots_kept = there
         done = self._lifeline.written
@@ -134,18 +134,18 @@ class RelaySink:
     # -- without a supervisor ------------------------------------------------------------------------------------
 
     def _begin_file(self) -> None:
-        """Go on with the journal where the supervisor ended, whatever of it had come to the disk."""
+        """Continue the journal where the supervisor stopped, however much of it has reached the disk."""
         if self._file is not None or self._path is None:
             return
         if self._ends is not None and not self._ends.end():
-            return  # the next frame, or the next line, looks again
+            return  # tried again with the next frame or line
         self._ends = None
         beside = self._path.with_name(self._path.name + SNAPSHOTS)
         kept = self._lifeline.snapshots_kept
         self._file = JournalFile(self._path, beside, unwritten=self._rest(), kept=kept)
 
     def _rest(self) -> Unwritten:
-        self._forget()  # what was said last counts
+        self._forget()  # use the supervisor's last confirmation
         return Unwritten(self._lifeline.log.header, self._lifeline.written or Written(), list(self._unwritten))
 
     def _write(self, line: str) -> None:
@@ -157,8 +157,8 @@ class RelaySink:
             self._begin_file()
 
     def _adopted(self) -> Unwritten:
-        """Another supervisor is there: the lines that it is to see to, of which some may be on the disk by the time at
-        which it is told that this process has ended its writing."""
+        """Return the lines that the new supervisor has to write; some may reach the disk before this process stops
+        writing."""
         rest = self._rest()
         self._adoption = True
         self._ends, self._file = self._file or self._ends, None
@@ -170,7 +170,7 @@ class RelaySink:
         while (taken := self._taken.get()) is not None:
             try:
                 data = taken.seal()
-            except Exception:  # one snapshot less
+            except Exception:  # drop this snapshot
                 self._lost += 1
                 continue
             text = base64.b64encode(data).decode()

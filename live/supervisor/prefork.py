@@ -1,8 +1,8 @@
-"""Nursery: a process that has loaded everything and opened nothing. Engines that are forked from it are ready soon.
+"""Prefork process: modules, kernels, patch and library are loaded, but no window or device is open.
 
-It has one thread, no window, no device and no socket but its own and those that all engines share, so that a fork of it
-is whole. What it bears are children of the supervisor, as all others are: it forks twice, and the supervisor adopts
-whoever loses its parent (PR_SET_CHILD_SUBREAPER of prctl(2), Linux 3.4). Memory that nobody writes to they share.
+Engines forked from it are ready soon and share its unmodified memory. It has a single thread and no sockets but its own
+and those that all engines share, so that a fork is complete. It forks twice, so that the supervisor adopts the engines
+like its other children (PR_SET_CHILD_SUBREAPER of prctl(2), Linux 3.4).
 """
 
 import contextlib
@@ -25,25 +25,25 @@ from live.supervisor.supervisor_link import Lifeline, nobody_left
 ADOPT: Final = 36
 """PR_SET_CHILD_SUBREAPER."""
 WITHIN: Final = 1.0
-"""Seconds in which one is born; forking takes some hundredths ..."""
+"""Seconds for a fork on a quiet machine; a fork takes some hundredths. The limit grows with the slow-down ..."""
 WITHIN_MOST: Final = 4.0
-"""... or as many times longer as the machine is slower, but not more than this: the supervisor waits for it."""
+"""... up to this one, because the supervisor waits for it."""
 ROOM: Final = 2.5
-"""So many times an engine's memory has to be free for a nursery: it needs about as much as an engine itself."""
+"""Free memory required to start it, as a multiple of an engine's memory: it needs about as much as an engine."""
 PAUSE: Final = 0.002
 TIRED: Final = 3
-"""So often it may die by itself; then engines begin without it."""
+"""Number of its own deaths after which engines start without it."""
 
 
 def adopts() -> bool:
-    """Let this process become the parent of whoever below it loses its own; False where the system knows no such."""
+    """Make this process the parent of descendants that lose their own; False if the system does not support it."""
     with contextlib.suppress(OSError, AttributeError):
         return bool(ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0) == 0)
     return False
 
 
 def free_memory() -> int:
-    """Bytes that programs can still have without others being swapped out; 0 where the system does not say."""
+    """Return the bytes available to programs without swapping; 0 if the system does not report it."""
     with contextlib.suppress(OSError, ValueError, IndexError), open("/proc/meminfo", encoding="ascii") as file:
         for line in file:
             if line.startswith("MemAvailable:"):
@@ -52,25 +52,25 @@ def free_memory() -> int:
 
 
 class Born:
-    """A process that this one has adopted, as `subprocess.Popen` shows its own."""
+    """Adopted child process with the interface of `subprocess.Popen`."""
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
         self._code: int | None = None
 
     def poll(self) -> int | None:
-        """Its exit code (negative: the signal), None while it lives."""
+        """Return its exit code (negative: the signal); None while it runs."""
         if self._code is None:
             try:
                 pid, status = os.waitpid(self.pid, os.WNOHANG)
-            except ChildProcessError:  # somebody else has waited for it
+            except ChildProcessError:  # another part has waited for it
                 self._code = 1
             else:
                 self._code = os.waitstatus_to_exitcode(status) if pid else None
         return self._code
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait until it has ended; `subprocess.TimeoutExpired` after so many seconds."""
+        """Wait until it has ended; raises `subprocess.TimeoutExpired` after `timeout` seconds."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while (code := self.poll()) is None:
             if deadline is not None and time.monotonic() > deadline:
@@ -79,13 +79,13 @@ class Born:
         return code
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, if it still lives."""
+        """Send it a signal if it still runs."""
         if self.poll() is None:
             os.kill(self.pid, number)
 
 
 class Nursery:
-    """The supervisor's side of it. Thread: the supervisor's."""
+    """The supervisor's handle on the prefork process. Thread: the supervisor's."""
 
     def __init__(self, starter: Starter) -> None:
         self._starter = starter
@@ -98,8 +98,10 @@ class Nursery:
     def begin(
         self, command: Sequence[str], brief: dict[str, Any], inherit: dict[str, int], engine: Callable[[], int]
     ) -> bool:
-        """Start it if there is none, and there is room for it beside an engine, whose bytes are told; whether there is
-        one."""
+        """Start it if none runs and there is memory for it next to an engine; return whether one runs.
+
+        `engine`: returns the bytes an engine uses.
+        """
         if self.child is not None:
             return True
         early = time.monotonic() < self._begin_at
@@ -107,7 +109,7 @@ class Nursery:
             return False
         try:
             self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
-        except OSError:  # the system has no room for one now
+        except OSError:  # no resources for one now
             self._stand_back()
             return False
         self.child.wire.tell(alive="nursery", **brief, **inherit)
@@ -120,7 +122,7 @@ class Nursery:
         return child is not None and child.phase is Phase.WAITING and child.process.poll() is None
 
     def look(self) -> None:
-        """Forget it if it has died."""
+        """Clean up after it if it has died."""
         for child in (*self._stopped, *([] if self.child is None else [self.child])):
             child.wire.flush()
             if child.process.poll() is not None:
@@ -132,15 +134,15 @@ class Nursery:
                     self._stand_back()
 
     def _stand_back(self) -> None:
-        """Begin no other one for a while."""
+        """Postpone the next start."""
         now = time.monotonic()
         self._begin_at = now + self._backoff.after(now)
 
     def bear(self, wire: int, heart: int) -> Born:
-        """One more engine, which gets these two descriptors; OSError if none comes."""
+        """Fork another engine, which inherits these two descriptors; OSError if none starts."""
         child = self.child
         if child is None:
-            raise OSError("there is no nursery")
+            raise OSError("there is no prefork process")
         try:
             socket.send_fds(child.wire.socket, [b"+"], [wire, heart])
             patience = min(WITHIN * self._starter.load.slowdown, WITHIN_MOST)
@@ -150,17 +152,17 @@ class Nursery:
         except (OSError, ValueError, IndexError):
             self.stop()
             self._stand_back()
-            raise OSError("the nursery does not answer") from None
+            raise OSError("the prefork process does not answer") from None
 
     def stop(self) -> None:
-        """End it: what it has loaded is no longer what is danced, or it does not answer."""
+        """Stop it, because it does not answer or its loaded patch or steps are out of date."""
         if self.child is not None:
             self.child.kill()
             self._stopped.append(self.child)
             self.child = None
 
     def close(self) -> None:
-        """End it, and wait for it."""
+        """Stop it and wait for its end."""
         self.stop()
         for child in self._stopped:
             child.end()
@@ -168,8 +170,11 @@ class Nursery:
 
 
 def wait_to_be_born(nursery: Lifeline) -> Lifeline | None:
-    """Wait in the nursery, forking whenever the supervisor asks; returns in each engine that is born, with its own
-    lifeline, and in the nursery itself (None) when nobody is left."""
+    """Wait in the prefork process and fork whenever the supervisor asks.
+
+    Returns in each forked engine with that engine's own supervisor link, and in the prefork process itself with None
+    once supervisor and parent have gone.
+    """
     sock = nursery.wire.socket
     while not nobody_left(nursery):
         nursery.beat(0, Phase.WAITING)
@@ -190,7 +195,7 @@ def wait_to_be_born(nursery: Lifeline) -> Lifeline | None:
 
 
 def _fork_twice() -> int:
-    """Fork a process whose parent is gone, and return its number; 0 in that process itself."""
+    """Fork a process whose parent exits at once; return its number, or 0 in that process."""
     reading, writing = os.pipe()
     between = os.fork()
     if between == 0:

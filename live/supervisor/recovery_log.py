@@ -1,7 +1,4 @@
-"""Log: what another engine needs to go on with the show: the first line, the last snapshot and all lines since.
-
-Disk: the journal's files, written beside the show and not by it, so that they are whole whatever ends an engine.
-"""
+"""Recovery log: everything another engine needs to resume the show, and the journal files on disk."""
 
 import base64
 import json
@@ -17,27 +14,27 @@ from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, Unwritten, 
 from live.show.journal.skipped_events import LEFT_OUT, SINCE, without_the_last
 
 CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
-"""Events after which a snapshot can be read only by who has seen them."""
+"""Events after which a snapshot can be read only by a process that has applied them."""
 TICK: Final = '{"tick":'
 FRONT: Final = 48
-"""Characters within which the second key of a line begins."""
+"""The second key of a line begins within this many characters."""
 READ: Final = (*CHANGES, '"snapshot"', f'"{LEFT_OUT}"', '"end"')
-"""Lines with these words are looked into."""
+"""Lines that contain one of these are parsed."""
 
 
 class Log:
-    """Takes the lines of a running show's journal and keeps as few of them as will do.
+    """Keeps the journal lines of a running show that are needed to resume it, and no more.
 
-    Without snapshots that is all of them (about 3 MB an hour), and so it is once patch or steps have changed: the last
-    snapshot from before is kept then, and all that came after. Lines that only say how far the ticks are, are not kept:
-    only the last one counts. Times of the show mean nothing to another process, so the clock's origin is kept, too.
+    Without snapshots these are all lines (about 3 MB an hour). Once patch or steps have changed, the last snapshot from
+    before the change and all later lines are kept. Of the lines that hold only a tick, the last one counts. The header
+    holds the clock's origin, because show times mean nothing to another process.
     """
 
     def __init__(self) -> None:
         self.header: str = ""
         """The journal's first line; empty before the show has begun."""
         self.tick = 0
-        """The last tick that was told."""
+        """The last tick received."""
         self.measures = 0
         self.events = 0
         self._snapshot = ""
@@ -45,7 +42,8 @@ class Log:
         self._lines: list[tuple[int, str]] = []
 
     def take(self, line: str) -> bool:
-        """Take one line of the show; True if it belongs into a journal on disk. Lines that are no JSON are refused."""
+        """Add one line of the show; return whether it belongs into the journal on disk. Lines that are no JSON are
+        refused."""
         try:
             value = json.loads(line)
         except ValueError:
@@ -63,9 +61,9 @@ class Log:
         return self._take(value, tick, line)
 
     def note(self, line: str) -> None:
-        """Take one line that this process has made itself, compact and in order, without reading it as JSON.
+        """Add one line written by this process, compact and in order, without parsing it.
 
-        Lines that only say how far the ticks are belong to `tick`.
+        A line that holds only a tick is not passed here: set `tick` instead.
         """
         if line.startswith('{"journal"'):
             self.header = self.header or line
@@ -88,13 +86,13 @@ class Log:
                 self._lines = [one for one in self._lines if one[0] > tick or (one[0] == tick and '"event"' in one[1])]
             return True
         self.tick = max(self.tick, tick)
-        if isinstance(since := value.get(SINCE), int):  # who goes on from here dances anew what came since
+        if isinstance(since := value.get(SINCE), int):  # a show resumed from here reruns everything since
             self._lines = [one for one in self._lines if one[0] <= since or '"measure"' not in one[1]]
             value = {key: each for key, each in value.items() if key != SINCE} | {"tick": since}
             place = sum(one[0] <= since for one in self._lines)
             self._lines.insert(place, (since, json.dumps(value, separators=(",", ":"))))
             return True
-        if LEFT_OUT in value:  # who goes on from here leaves them out as well
+        if LEFT_OUT in value:  # a show resumed from here skips them, too
             self._lines = without_the_last(self._lines, value[LEFT_OUT])
             return True
         if len(value) == 1:
@@ -109,7 +107,7 @@ class Log:
         return True
 
     def since(self) -> Iterator[str]:
-        """All that a follower needs, in order; the last line says how far the ticks are."""
+        """Yield all lines that a follower needs, in order; the last one holds the current tick."""
         if not self.header:
             return
         yield self.header
@@ -120,25 +118,25 @@ class Log:
 
 
 HELD: Final = 65536
-"""Lines that wait while an engine still writes itself; more are dropped, and counted."""
+"""Most lines that wait while an engine still writes the journal itself; more are dropped and counted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sealed:
-    """A snapshot as it came from the engine."""
+    """A snapshot received from the engine."""
 
     data: bytes
 
     def seal(self) -> bytes:
-        """It is sealed already."""
+        """Return the data, which is sealed already."""
         return self.data
 
 
 class Disk:
-    """Writes a journal; begun with its first line, so that a start that is refused leaves an old one."""
+    """Writes the journal. Its file is opened with the first line, so a start that fails keeps an old journal."""
 
     def __init__(self, path: Path | None, say: Callable[[str], None] = lambda line: None) -> None:
-        """`path`: where to; None: nowhere. `say`: tells the person at once what cannot wait for the end."""
+        """`path`: the journal; None: none. `say`: prints what the person has to know at once."""
         self._path, self._say = path, say
         self._place = path
         self._refused = 0
@@ -150,14 +148,14 @@ class Disk:
         self._kept = 0
 
     def go_on(self, unwritten: Unwritten, kept: int) -> None:
-        """The journal is there, and is gone on with once `resume` is called: an engine may still write itself.
+        """Prepare to continue an existing journal once `resume` is called; until then an engine may still write it.
 
-        `kept`: bytes of the file of snapshots that stay.
+        `kept`: bytes of the snapshot file that stay.
         """
         self._due, self._kept = unwritten, kept
 
     def resume(self) -> None:
-        """Nobody else writes any more."""
+        """Start writing: no other process writes the journal any more."""
         due, self._due = self._due, None
         if due is None or self._path is None:
             return
@@ -172,7 +170,7 @@ class Disk:
         self._held = []
 
     def put(self, line: str, number: int = 0) -> None:
-        """One line, without its end; never waits. `number`: how `written` is to speak of it."""
+        """Write one line, without its line end; never waits. `number`: identifies the line in `written`."""
         if self._file is not None and line.startswith('{"journal"'):
             self._begin_anew(self._file)
         if self._due is not None and self._path is not None:
@@ -193,18 +191,18 @@ class Disk:
 
     @property
     def written(self) -> tuple[Written, int] | None:
-        """How far the lines have come, and how many bytes of snapshots stay; None until that is known."""
+        """The last line written and the bytes of snapshots that stay; None until that is known."""
         return None if self._file is None else self._file.written
 
     def facts(self) -> dict[str, int]:
-        """For the status: lines, bytes, what was dropped."""
+        """Return figures for the status: lines, bytes, dropped lines."""
         if self._file is None:
             return {"dropped": self._refused} if self._refused else {}
         facts = self._file.facts()
         return facts | {"dropped": facts["dropped"] + self._refused}
 
     def close(self) -> list[str]:
-        """Write what waits; what there is to tell the person."""
+        """Write everything pending; return notes for the person."""
         self.resume()
         if self._file is not None:
             self._file.close()
@@ -213,7 +211,8 @@ class Disk:
         return self._notes
 
     def _begin_anew(self, file: JournalFile) -> None:
-        """Another show begins, which this machine follows: the journal of the one before is kept beside it."""
+        """Start the journal of another show, which this machine follows; the previous journal is kept under another
+        name."""
         self._file, self._path = None, self._place
         ending = partial(run_once, "the end of the journal before", file.close)
         threading.Thread(target=ending, name="journal", daemon=True).start()  # it may wait for the disk

@@ -1,4 +1,4 @@
-"""Lifeline: an engine's end of what joins it to its supervisor; without a supervisor there is none."""
+"""Engine's end of the connection to its supervisor; an engine without a supervisor has none."""
 
 import contextlib
 import json
@@ -18,24 +18,24 @@ from live.supervisor.line_channel import Wire
 from live.supervisor.recovery_log import Log
 
 LONGEST: Final = 200
-"""Characters of an error's own words."""
+"""Most characters of an error's message."""
 CRASHED: Final = 70
-"""The exit code of an engine that ended in an error of the program (EX_SOFTWARE of sysexits.h)."""
+"""Exit code of an engine that ended with a program error (EX_SOFTWARE of sysexits.h)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Brief:
-    """What a child is told first."""
+    """First message to a child process."""
 
     role: str
-    """engine: begins the show; spare: prepares itself and waits; heir: goes on at once."""
+    """engine: starts the show; spare: prepares itself and waits; heir: resumes the show at once."""
     show: str
 
 
 class Lifeline:
-    """The wire and the heart of an engine. Thread: the one that runs the show.
+    """Channel and heartbeat of an engine. Thread: the one that runs the show.
 
-    If the supervisor dies the show goes on; nobody takes over from it until another supervisor adopts this engine
+    If the supervisor dies, the show goes on. There is no failover until another supervisor adopts this engine
     (`live.supervisor.adoption.rendezvous`).
     """
 
@@ -44,27 +44,27 @@ class Lifeline:
         self.heart = heart
         self.phase = Phase.STARTING
         self.facts: dict[str, Any] = {}
-        """What the supervisor said last of itself and the others."""
+        """The supervisor's last report on itself and the other processes."""
         self.orders: list[dict[str, Any]] = []
-        """What it asked for and nobody has taken up yet."""
+        """Requests of the supervisor that have not been handled yet."""
         self.lines: list[str] = []
-        """Lines of the show that it passed on, and nobody has taken up yet."""
+        """Lines of the show from the supervisor that have not been read yet."""
         self.osc: int | None = None
-        """The descriptor of the socket where OSC is received, if the supervisor holds one."""
+        """Descriptor of the socket that receives OSC, if the supervisor holds one."""
         self.osc_reader: int | None = None
-        """The same of the socket to the process that reads that one, if there is such a process."""
+        """Descriptor of the socket to the OSC reader process, if there is one."""
         self.sound: int | None = None
-        """The same of the socket to the process that listens or plays."""
+        """Descriptor of the socket to the audio process."""
         self.sound_peer: int | None = None
-        """The same of that process' own end, for another supervisor."""
+        """Descriptor of the audio process' own end, for another supervisor."""
         self.log = Log()
-        """What another supervisor needs of the show so far; whoever goes on with a show puts in what it was told."""
+        """The show so far, for another supervisor. An engine that resumes a show adds the lines it has received."""
         self.written: Written | None = None
-        """How far the lines of this wire have come to the disk, as the supervisor says."""
+        """The last line of this channel that the supervisor has confirmed as written."""
         self.snapshots_kept = 0
-        """Bytes of the file of snapshots that stay."""
+        """Bytes of the snapshot file that stay."""
         self.on_adopted: Callable[[], Unwritten] = lambda: Unwritten(self.log.header, Written(), ())
-        """Asked for the lines that another supervisor is to write."""
+        """Returns the lines that a new supervisor has to write."""
         self._rendezvous: Rendezvous | None = None
         self._screen: dict[str, Any] = {}
         self._show = ""
@@ -73,7 +73,7 @@ class Lifeline:
 
     @classmethod
     def inherited(cls, wire: int, heart: int) -> "Lifeline":
-        """From the descriptors that the supervisor left to this process."""
+        """Make one from the descriptors inherited from the supervisor."""
         return cls(Wire(socket.socket(fileno=wire)), Heartbeat(heart))
 
     @property
@@ -82,13 +82,13 @@ class Lifeline:
         return self.wire.ended
 
     def brief(self) -> Brief:
-        """What this process is for; waits for the first line."""
+        """Return the role of this process; waits for the first line."""
         self.wire.socket.setblocking(True)
         line = b""
         while not line.endswith(b"\n"):
             piece = self.wire.socket.recv(1)
             if not piece:
-                raise SystemExit(1)  # the supervisor has gone before it said a word
+                raise SystemExit(1)  # the supervisor has gone before its first line
             line += piece
         self.wire.socket.setblocking(False)
         told = json.loads(line)
@@ -100,7 +100,7 @@ class Lifeline:
         return Brief(told["alive"], told["show"])
 
     def listen(self) -> None:
-        """Read what has come: facts are kept, orders and lines of the show put where they are taken up."""
+        """Read all pending lines: store the report, queue requests and show lines."""
         for line in self.wire.lines():
             if not line.startswith('{"alive"'):
                 self.lines.append(line)
@@ -117,25 +117,25 @@ class Lifeline:
                 self.orders.append(told)
 
     def wait(self, seconds: float) -> None:
-        """Wait until something comes, or so long."""
+        """Wait until a line arrives, at most `seconds`."""
         import select
 
         select.select([self.wire.socket], [], [], seconds)
 
     def order(self, name: str) -> dict[str, Any] | None:
-        """Take up an order of that name, if there is one."""
+        """Remove and return the first request with that name, if there is one."""
         found = next((order for order in self.orders if order["alive"] == name), None)
         if found is not None:
             self.orders.remove(found)
         return found
 
     def beat(self, tick: int, phase: Phase | None = None) -> None:
-        """I live."""
+        """Send a heartbeat."""
         self.phase = self.phase if phase is None else phase
         self.heart.beat(tick, self.phase)
 
     def frame(self, tick: int) -> None:
-        """After each frame of the show: the ticks have come so far."""
+        """Report the tick to the supervisor and read its messages. Called after each frame."""
         self.log.tick = tick
         if self.alone:
             self.beat(tick, Phase.RUNNING)
@@ -149,7 +149,7 @@ class Lifeline:
         self.listen()
 
     def _look_for_a_supervisor(self) -> None:
-        """Give all that another one needs to the first that comes."""
+        """Hand over to the first supervisor that asks."""
         sock = None if self._rendezvous is None else self._rendezvous.look()
         if sock is None or self._rendezvous is None:
             return
@@ -163,28 +163,28 @@ class Lifeline:
         tell_the_rest(self.wire, self.on_adopted(), self.snapshots_kept, self.log)
 
     def say(self, line: str) -> None:
-        """A line of the show that its journal's writer does not put."""
+        """Send a line of the show that its journal writer does not send."""
         self.log.take(line)
         self.wire.put(line)
 
     def tell_screen(self, fullscreen: bool, monitor: str, *others: str) -> None:
-        """The picture is full screen on that monitor now, or in a window."""
+        """Report whether the picture is full screen, and on which monitor."""
         self._screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor, "others": list(others)}
         self.wire.tell(**self._screen)
 
     def tell_following(self, facts: dict[str, int]) -> None:
-        """How well this machine follows another, if that has changed."""
+        """Report how well this machine follows another, if that has changed."""
         if facts != self._told_following:
             self._told_following = facts
             self.wire.tell(alive="following", **facts)
 
     def tell_end(self, code: int) -> None:
-        """Somebody wanted this show to end, with this exit code: without this word the end of a process is a crash."""
+        """Report that the show ends on request with this exit code. Without this message the end counts as a crash."""
         self.wire.tell(alive="end", code=code)
         self.wire.flush()
 
     def crash(self, error: BaseException) -> NoReturn:
-        """End this process at once, for an error that nobody asked for: another engine goes on."""
+        """End this process at once because of a program error: another engine takes over."""
         self.wire.tell(alive="crash", why=in_words(error))
         traceback.print_exception(error)
         with contextlib.suppress(OSError, ValueError):
@@ -193,30 +193,30 @@ class Lifeline:
         os._exit(CRASHED)
 
     def tell_note(self, words: str) -> None:
-        """Something the person has to know."""
+        """Send a note for the person."""
         self.wire.tell(alive="note", words=words)
 
     @property
     def may_leave(self) -> bool:
-        """Whether a signal to end is meant for the show, and not only for this process: the supervisor has said so, or
-        there is none."""
+        """Whether a termination signal concerns the show and not only this process: the supervisor has confirmed it, or
+        there is no supervisor."""
         self.listen()
         return self.alone or self.order("leave") is not None
 
     @property
     def fenced(self) -> bool:
-        """Whether another machine leads, and this one is to be dark: the supervisor says so, or it has gone while a
-        machine stood by that was ready, which takes over then."""
+        """Whether this machine must stay dark because another one leads: the supervisor reports it, or the supervisor
+        has gone while a ready standby machine existed, which then takes over."""
         return bool(self.facts.get("fenced")) or (self.alone and bool(self.facts.get("deputy")))
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         there = {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
         return there | {"spare": False, "guard": False} if self.alone else there
 
 
 def in_words(error: BaseException) -> str:
-    """An error of the program in one short line, with the place it came from."""
+    """Return a program error as one short line, with its place in the code."""
     place = traceback.extract_tb(error.__traceback__)[-1:]
     where = "".join(f" in {'/'.join(Path(frame.filename).parts[-2:])}, line {frame.lineno}" for frame in place)
     words = " ".join(str(error).split())
@@ -224,5 +224,5 @@ def in_words(error: BaseException) -> str:
 
 
 def nobody_left(lifeline: Lifeline) -> bool:
-    """Whether supervisor and parent have gone, so that a process that only waits should end."""
+    """Return whether supervisor and parent have gone, so that a waiting process has to end."""
     return lifeline.alone or os.getppid() == 1

@@ -1,9 +1,9 @@
-"""Watchdog: tells a hung process from one that is merely not let run. Readings go in, a verdict comes out.
+"""Watchdog that distinguishes a hung process from one that gets no processor time.
 
-A process hangs when it has had `HANGS_AFTER` seconds *of its own* without a heartbeat: seconds in which it ran, or
-could have. Seconds in which it waited for a processor are not its own; those in which it waited for something else
-count the less the slower the machine is, for what it waits for is as slow. So the limit grows with the overload and is
-as short as ever on a quiet machine; `CEILING` bounds it. Nothing here reads a clock or a file: see
+A process hangs when `HANGS_AFTER` seconds *of its own* pass without a heartbeat. Time in which it ran, or could have
+run, is its own. Time in which it waited for a processor is not. Time in which it waited for something else counts less
+the slower the machine is, because the other process or device is slowed down too. The limit therefore grows with the
+overload, stays short on a quiet machine, and is bounded by `CEILING`. Nothing here reads a clock or a file: see
 `live.supervisor.process_stats`.
 """
 
@@ -16,36 +16,38 @@ from typing import Final
 from live.supervisor.restart_policy import CEILING, HANGS_AFTER, LATE_AFTER
 
 MOST_OWN: Final = 0.1
-"""Seconds between two looks that count as a process' own at most: who looks more seldom is starved itself."""
+"""Most seconds between two updates that count as a process' own: a watcher that updates less often is starved itself.
+"""
 MOST_SEEN: Final = 0.5
-"""Seconds between two looks that count at all: over more than that the machine slept."""
+"""Most seconds between two updates that count at all: in a longer gap the machine was asleep."""
 READ_EVERY: Final = 0.1
-"""Seconds between two readings of a process that is silent; none is made before it has been silent for so long."""
+"""Seconds between two readings of a silent process. The first one is made after it has been silent for this long."""
 COMPARE_EVERY: Final = 1.0
-"""Seconds between two readings of one that is not."""
+"""Seconds between two readings of a process that is not silent."""
 WAITS_SHARE: Final = 0.25
-"""Of time in which a process waits, and not for a processor, at least so much is its own: who sleeps for long hangs. So
-much, too, where it waits in the kernel without a way out (state D: a disk, a driver)."""
+"""Least share of non-processor waiting time that counts as a process' own: a process that sleeps for long hangs. The
+same share counts for an uninterruptible wait in the kernel (state D: a disk, a driver).
+"""
 ACTIVE: Final = 0.5
-"""Threads that want the processor for this share of the time are at work."""
+"""Threads that run or wait for a processor for at least this share of the time count as active."""
 HALFLIFE: Final = 2.0
-"""After so many seconds what was measured counts half."""
+"""Half-life of the running averages [s]."""
 SLOWEST: Final = CEILING / HANGS_AFTER
-"""A slow-down that is not measured any further."""
+"""Largest slow-down that is measured."""
 FELT: Final = 0.1
-"""Seconds between two heartbeats, or by which the supervisor wakes late, from which on an overload is felt."""
+"""Gap between two heartbeats, or lateness of the supervisor [s], from which an overload is noticeable."""
 HEAVY: Final = 2.0
-"""Twice as slow: from here on an overload that is felt is one."""
+"""Slow-down from which a noticeable gap counts as an overload."""
 FULL: Final = 4.0
-"""So many times as slow: all the overload that is told."""
+"""Slow-down that counts as full overload."""
 
 
 class Verdict(Enum):
-    """What silence means."""
+    """Judgement on a process."""
 
     FINE = "fine"
     LATE = "late"
-    """Silent for more than `LATE_AFTER`, and that is its own affair."""
+    """Silent for more than `LATE_AFTER` by its own fault."""
     OVERLOADED = "overloaded"
     """Silent, but most of that time was not its own."""
     HUNG = "hung"
@@ -53,43 +55,43 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What the system says of a process, since its start."""
+    """Usage counters of a process since its start."""
 
     state: str
-    """Of its main thread, which gives the heartbeat: R, S, D, T as in proc(5)."""
+    """State of its main thread, which sends the heartbeat: R, S, D, T as in proc(5)."""
     run: float
-    """Seconds that thread has run ..."""
+    """Seconds for which that thread has run."""
     delay: float | None
-    """... and has waited for a processor; None: the system does not say."""
+    """Seconds for which it has waited for a processor; None if the system does not report it."""
     others_run: float = 0.0
     others_delay: float = 0.0
-    """The same of all its other threads together."""
+    """Sums over all its other threads."""
 
 
 @dataclass(frozen=True, slots=True)
 class MachineReading:
-    """What the system says of the machine at a moment; None where it does not."""
+    """Load of the machine at a moment; None where the system does not report it."""
 
     runnable: float | None = None
-    """Threads that run or want to, this one left out, for each processor."""
+    """Runnable threads per processor, this one not counted."""
     cpu_stall: float | None = None
     memory_stall: float | None = None
     memory_full: float | None = None
     io_full: float | None = None
-    """Pressure-stall information: seconds since the start in which some thread (`full`: every thread that was not idle)
-    waited for a processor, for memory, for input or output."""
+    """Pressure-stall information: seconds since the start in which some thread (`full`: every non-idle thread) waited
+    for a processor, for memory, or for input or output."""
 
 
 class MachineLoad:
-    """How many times slower everything is than on a quiet machine, by several measures; the worst counts.
+    """Slow-down of the machine against a quiet one: the worst of several measures.
 
-    - How late the watcher's own rounds come back, in rounds.
-    - How many threads there are for each processor, in the share of time in which some thread waits for one.
-    - The share of time in which nothing goes on for want of memory, or of a disk.
+    - Lateness of the watcher's own rounds, in rounds.
+    - Threads per processor, weighted by the share of time in which some thread waits for one.
+    - Share of time in which work stalls for lack of memory or of a disk.
     """
 
     def __init__(self, round_s: float) -> None:
-        """`round_s` [s]: how long a round of the watcher takes that is not late."""
+        """`round_s` [s]: duration of a watcher's round that is not late."""
         self._round = round_s
         self._late = self._crowd = self._stalled = 1.0
         self._lateness = 0.0
@@ -102,17 +104,17 @@ class MachineLoad:
 
     @property
     def lateness(self) -> float:
-        """How late the watcher has woken lately [s]."""
+        """Recent lateness of the watcher's wake-ups [s]."""
         return self._lateness
 
     def woke(self, late: float, took: float) -> None:
-        """A round of the watcher came back `late` [s] and `took` so long in all."""
+        """Record a round of the watcher that was `late` [s] and `took` [s] in all."""
         kept = 0.5 ** (took / HALFLIFE)
         self._late = kept * self._late + (1.0 - kept) * (1.0 + late / self._round)
         self._lateness = max(late, kept * self._lateness)
 
     def read(self, now: float, reading: MachineReading) -> None:
-        """A reading of the machine, some tenths of a second after the last one."""
+        """Record a reading of the machine, some tenths of a second after the last one."""
         before, self._last = self._last, (now, reading)
         if before is None or now <= before[0]:
             return
@@ -134,21 +136,21 @@ class MachineLoad:
 
 
 class Watchdog:
-    """Judges the heartbeat of one process. Told at each look when the last beat was."""
+    """Judges the heartbeat of one process. Each update gets the time of the last beat."""
 
     def __init__(self) -> None:
         self.late = 0
         """How often it was silent for more than `LATE_AFTER`, since the start."""
         self.spared = 0
-        """How often it was silent for more than `HANGS_AFTER`, and could not help it."""
+        """How often it was silent for more than `HANGS_AFTER` because of an overload."""
         self.slowdown = 1.0
-        """How many times as long its main thread takes because it waits for a processor, by the last second."""
+        """Slow-down of its main thread by waiting for a processor, over the last second."""
         self.verdict = Verdict.FINE
         self.patience = 1.0
-        """How long silence may last, in the usual limits."""
+        """Factor on the usual limits for silence."""
         self._looked: float | None = None
         self._beat = 0.0
-        self._seen = self._own = self._due = 0.0  # seconds of silence: in all, its own, not yet judged
+        self._seen = self._own = self._due = 0.0  # seconds of silence: total, its own, not judged yet
         self._gap = 0.0
         self._usage: Usage | None = None
         self._read_at = -math.inf
@@ -156,23 +158,23 @@ class Watchdog:
 
     @property
     def silent(self) -> float:
-        """Seconds without a heartbeat, as far as they were looked at."""
+        """Counted seconds without a heartbeat."""
         return self._seen
 
     @property
     def own(self) -> float:
-        """How many of those were its own."""
+        """Seconds of that silence that were its own."""
         return self._own
 
     @property
     def gap(self) -> float:
-        """The longest silence lately [s]."""
+        """The longest recent silence [s]."""
         return max(self._gap, self._seen)
 
     def look(self, now: float, last: float, usage: Callable[[], Usage | None], slowdown: float) -> Verdict:
-        """What a process whose last beat was at `last` is like at `now` [s].
+        """Return the verdict at `now` [s] on a process whose last beat was at `last` [s].
 
-        `usage`: reads what the system says of it (None: nothing), which is done seldom; `slowdown`: the machine's.
+        `usage`: reads the usage counters (None: not available); called seldom. `slowdown`: of the machine.
         """
         step = 0.0 if self._looked is None else max(now - self._looked, 0.0)
         self._looked = now
@@ -200,7 +202,7 @@ class Watchdog:
         return Verdict.OVERLOADED if self._own < 0.5 * self._seen else Verdict.LATE
 
     def _judge(self, now: float, usage: Usage | None, slowdown: float) -> None:
-        """Count the part of the seconds since the last reading that was its own."""
+        """Add the process' own part of the time since the last reading."""
         share = 1.0 / max(slowdown, 1.0)
         if usage is not None and self._usage is not None and now > self._read_at:
             share = own_share(self._usage, usage, now - self._read_at, slowdown)
@@ -210,7 +212,7 @@ class Watchdog:
         self._due, self._usage, self._read_at = 0.0, usage, now
 
     def _compare(self, now: float, usage: Callable[[], Usage | None]) -> None:
-        """How much slower it is than it would be alone, from second to second."""
+        """Measure once a second how much slower it runs than it would alone."""
         if self._compared is not None and now - self._compared[0] < COMPARE_EVERY:
             return
         before, told = self._compared, usage()
@@ -222,8 +224,8 @@ class Watchdog:
 
 
 def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> float:
-    """Which part, 0 to 1, of the `seconds` between two readings was a process' own."""
-    if after.state in ("T", "t"):  # somebody stopped it: no machine is slow enough for that
+    """Return the share, 0 to 1, of the `seconds` between two readings that was the process' own."""
+    if after.state in ("T", "t"):  # stopped by a signal, not by an overload
         return 1.0
     run = max(after.run - before.run, 0.0)
     if after.delay is None or before.delay is None:
@@ -231,13 +233,13 @@ def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> f
             return min(run / seconds, 1.0)
     else:
         delay = max(after.delay - before.delay, 0.0)
-        if after.state == "R" and run + delay < ACTIVE * seconds:  # it waits still, and that is told when it runs
+        if after.state == "R" and run + delay < ACTIVE * seconds:  # `delay` grows only once it runs
             return min(run / seconds, 1.0)
         if run + delay >= ACTIVE * seconds:
             return max(1.0 - delay / seconds, 0.0)
     if after.state == "D":
         return WAITS_SHARE
-    # it sleeps: does it wait for threads of its own that get no processor?
+    # asleep, perhaps waiting for its own threads, which may get no processor
     run = max(after.others_run - before.others_run, 0.0)
     delay = max(after.others_delay - before.others_delay, 0.0)
     others = run / (run + delay) if run + delay >= ACTIVE * seconds else 1.0
@@ -245,7 +247,7 @@ def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> f
 
 
 def overload(load: MachineLoad, watched: Watchdog | None) -> float:
-    """How much too much the machine has to do for a show, 0 to 1: 0 as long as nothing of it is felt."""
+    """Return the overload of the machine, 0 to 1; 0 while it is not noticeable."""
     slowdown, gap = load.slowdown, load.lateness
     if watched is not None:
         slowdown, gap = max(slowdown, watched.slowdown), max(gap, watched.gap)

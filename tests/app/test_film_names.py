@@ -58,5 +58,5 @@ def test_alpha_and_what_is_read(tmp_path: Path) -> None:
     assert "film.mov" in str(error.value.remedy)
     song = tmp_path / "song.mp4"
     song.write_bytes(b"")
-    with pytest.raises(PersonError, match="made from"):
+    with pytest.raises(PersonError, match="the show reads this file"):
         film_name(song, "--out", never=[str(song)])

@@ -78,6 +78,6 @@ main()
     )  # fmt: skip
     assert done.returncode == code, done.stderr
     assert "Traceback" not in done.stderr
-    assert done.stderr.splitlines()[-1] == "ended; the next start compiles the kernels that are left"
+    assert done.stderr.splitlines()[-1] == "stopped; the next start compiles the remaining kernels"
     assert list((tmp_path / "cache").rglob("*.nbc"))  # what was ready is kept
     assert not list((tmp_path / "cache").rglob("ready-*"))

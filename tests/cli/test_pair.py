@@ -55,7 +55,7 @@ def test_without_pairing_a_show_is_led_and_followed_on_this_machine_alone(tmp_pa
     for option, place in (("--lead", "0.0.0.0:9020"), ("--standby", "192.0.2.1:9020"), ("--lead", "[::]:9020")):
         done = run_live("play", "--headless", option, place, LIVE_CONFIG_DIR=str(tmp_path / "one"))
         assert done.returncode == 2
-        assert "paired with no other one" in done.stderr
+        assert "not paired with another one" in done.stderr
         assert "live pair" in done.stderr
 
 

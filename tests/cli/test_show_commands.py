@@ -208,7 +208,7 @@ def test_what_is_read_is_never_written_over(tmp_path):
     music.write_bytes(b"precious")
     result = run_live("render", "--audio", str(music), "--out", str(music), "--seconds", "1")
     assert result.returncode == 2
-    assert "a file the show is made from" in result.stderr
+    assert "the show reads this file" in result.stderr
     assert music.read_bytes() == b"precious"
     result = run_live("render", "--out", str(tmp_path / "film.avi"), "--seconds", "1")
     assert result.returncode == 2

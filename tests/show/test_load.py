@@ -57,13 +57,13 @@ def test_a_recording_may_be_called_like_a_repeat(monkeypatch):
 
 def test_a_step_of_another_metre_is_told_as_such(monkeypatch):
     patch = PATCH.replace('"spin", "phrase"]', '"waltz"]')
-    with pytest.raises(PersonError, match="step 'waltz' of group 'front' has 3 beats a measure, this show has 4"):
+    with pytest.raises(PersonError, match="step 'waltz' of group 'front' has 3 beats per measure, this show has 4"):
         loaded(monkeypatch, [*made_steps(), made_clip("waltz", beats=3)], patch, recordings=None)
 
 
 def test_no_step_of_the_metre_names_those_there_are(monkeypatch):
     patch = PATCH.replace("bpm = 120", "bpm = 120\nbeats_per_measure = 7")
-    with pytest.raises(PersonError, match="no step has 7 beats a measure; those there are have 4"):
+    with pytest.raises(PersonError, match="no step has 7 beats per measure; the steps found have 4"):
         loaded(monkeypatch, made_steps(), patch, recordings=None)
 
 

@@ -1,4 +1,4 @@
-"""Entry points of the processes of a show: engine, standby, audio, OSC reader and fallback window.
+"""Entry points of a show's processes: engine, standby, audio, OSC reader and fallback window.
 
-It may import every layer but `cli`.
+May import every layer except `cli`.
 """

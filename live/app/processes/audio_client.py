@@ -1,7 +1,7 @@
-"""RemoteAudio: sound that is listened to, or music that plays, in a process of its own; the engine's side.
+"""Engine's side of the audio process.
 
-Messages are whole packets in a socket that the supervisor holds, too: when an engine ends, what is heard meanwhile
-waits in it for the next one, and the music plays on.
+Messages are whole packets in a socket that the supervisor holds too. When an engine ends, the music plays on, and
+events wait in the socket for the next engine.
 """
 
 import contextlib
@@ -25,96 +25,95 @@ from live.show.show import Show
 from live.show.venue.venue import Latencies
 
 START_WITHIN: Final = 30.0
-"""Seconds that the process may take until it plays or listens: it loads the tracker first."""
+"""Time limit [s] for the process to start to play or listen: it loads the tracker first."""
 LARGEST: Final = 1 << 16
 SILENT_AFTER: Final = 1.0
-"""Seconds without a word from the process after which its source counts as lost: it tells its figures five times a
-second."""
+"""Seconds without a message after which the source counts as lost: the process reports five times a second."""
 
 
 class RemoteAudio:
-    """An audio source like those in this process. Thread: the show's; `frame` is to be called before each frame."""
+    """Audio source in a separate process. Thread: the show's; call `frame` before each frame."""
 
     def __init__(
         self, descriptor: int, plan: dict[str, Any], show: Show, latencies: Latencies, inbox: Inbox[ControlEvent],
         clock: SystemClock, *, resumed: Resumed | None,
     ) -> None:  # fmt: skip
-        """`plan`: what is played or listened to; `resumed`: the show that is gone on with, if another engine began."""
+        """`plan`: settings of the source; `resumed`: the show that is resumed, if another engine began it."""
         self._socket = socket.socket(fileno=os.dup(descriptor))
         self._socket.setblocking(False)
         self._plan, self._show, self._latencies, self._inbox, self._clock = plan, show, latencies, inbox, clock
         self._running = resumed is not None and not resumed.elsewhere
         self._waits = resumed is None
         self.begun = None if resumed is None else resumed.begun
-        """When the sound began [s of the show]."""
+        """Start time of the audio [s of the show]."""
         self._facts: dict[str, Any] = {"state": "starting", "problem": ""}
         self._seeds: deque[dict[str, Any]] = deque(maxlen=64)
         self._heard_at = clock.now()
         self._lost = False
         self.level: float | None = None
-        """RMS of what an input device hears; None where music plays."""
+        """RMS level of the input device; None for music."""
         if self._running:
             show.follower.on_seed = self._tell_seed
         else:
             show.seed_tracker(self._tell_seed)
 
     def start(self) -> None:
-        """Begin to listen or to play; PersonError if that is refused."""
+        """Start to listen or to play; raise PersonError if that fails."""
         if self._running:
             return
         self._order()
         if not self._waits:
-            return  # the show goes on; the sound comes when it comes
+            return  # a resumed show does not wait for audio
         deadline = time.monotonic() + START_WITHIN
         while not self._began():
             if time.monotonic() > deadline:
                 raise PersonError(
-                    f"the sound did not begin within {START_WITHIN:g} s", "--alone listens in one process"
+                    f"the audio did not start within {START_WITHIN:g} s", "--alone runs everything in one process"
                 )
             select.select([self._socket], [], [], 0.1)
             for told in self._packets():
                 if "refused" in told:
-                    raise PersonError(f"the sound: {told['refused']}", "see `live devices`")
+                    raise PersonError(f"audio: {told['refused']}", "see `live devices`")
                 self._take(told)
 
     def _began(self) -> bool:
         return self._running
 
     def stop(self) -> None:
-        """Leave it to the supervisor, who ends it with the show."""
+        """Close the link; the supervisor ends the process with the show."""
         self._socket.close()
 
     def frame(self) -> None:
-        """Take up what was heard since the last frame."""
+        """Receive messages since the last frame, and check whether the process still reports."""
         for told in self._packets():
             self._take(told)
         now = self._clock.now()
         if now - self._heard_at > SILENT_AFTER and not self._lost:
             self._lost = True
-            self._facts = {**self._facts, "state": "lost", "problem": "the process that listens has gone"}
+            self._facts = {**self._facts, "state": "lost", "problem": "the audio process has gone"}
             self._inbox.put(SourceChanged(time=now, source="audio", state="lost", detail="its process has gone"))
 
     def facts(self) -> dict[str, Any]:
-        """What the operator is told of it."""
+        """Return the values for the status line."""
         return self._facts
 
     def act(self, event: ControlEvent) -> None:
-        """Pass on the events that ask something of the sound."""
+        """Pass on events that concern the audio."""
         if isinstance(event, SetLatency):
             self._send(latency=[self._latencies.input, self._latencies.output])
         if isinstance(event, RestartAudio | ChooseAudio):
             self._send(event=event_to_json(event))
-        if isinstance(event, RestartAudio):  # by hand is anew: what the tracker was told is void
+        if isinstance(event, RestartAudio):  # a restart by hand discards manual settings
             self._tell_seed(Seed("forget", event.time))
             self._show.seed_tracker(self._tell_seed)
 
     def silence(self) -> None:
-        """Play and listen no more."""
+        """Order the process to stop playing and listening."""
         self._send(stop=True)
 
     def _take(self, told: dict[str, Any]) -> None:
         self._heard_at = self._clock.now()
-        if "hello" in told:  # another process in place of one that ended, or the first: it begins only once
+        if "hello" in told:  # a new process; it ignores a second start order
             self._order()
         if "event" in told:
             with contextlib.suppress(ValueError):
@@ -139,7 +138,7 @@ class RemoteAudio:
             self._send(seed=asdict(seed))
 
     def _send(self, **values: Any) -> None:
-        with contextlib.suppress(OSError):  # nobody is there now; whoever comes is told anew
+        with contextlib.suppress(OSError):  # no process now; a new one gets everything again
             self._socket.send(json.dumps(values).encode())
 
     def _packets(self) -> list[dict[str, Any]]:

@@ -1,7 +1,7 @@
-"""The process that listens to a device or plays music for an engine; it ends with the supervisor, or, where that has
-died, with the engine.
+"""Audio process: listens to a device or plays music for an engine.
 
-Whatever the engine's Python is busy with, no beat is heard late, and when an engine ends the music plays on.
+It ends with the supervisor, or with the engine if the supervisor has died. As a separate process it detects beats
+without delay while the engine's Python is busy, and music plays on when an engine ends.
 """
 
 import contextlib
@@ -33,24 +33,24 @@ LARGEST: Final = 1 << 16
 
 
 class Outbox(Inbox[ControlEvent]):
-    """Sends each event at once. Thread: any; a packet is whole."""
+    """Sends each event to the engine at once, as one packet. Thread: any."""
 
     def __init__(self, sock: socket.socket) -> None:
         super().__init__(1)
         self._socket = sock
 
     def put(self, item: ControlEvent) -> None:
-        """Send one event; what nobody reads for minutes is lost."""
+        """Send one event; it is lost if the socket is full."""
         self.tell(event=event_to_json(item))
 
     def tell(self, **values: Any) -> None:
-        """Send anything else."""
+        """Send other values."""
         with contextlib.suppress(OSError):
             self._socket.send(json.dumps(values).encode())
 
 
 class Sounding:
-    """What is listened to or played, as the engine ordered it."""
+    """Audio source that follows the engine's orders."""
 
     def __init__(self, outbox: Outbox) -> None:
         self._outbox = outbox
@@ -58,7 +58,7 @@ class Sounding:
         self._source: AudioInput | MusicPlayer | None = None
 
     def obey(self, told: dict[str, Any]) -> None:
-        """Take up one order."""
+        """Carry out one order."""
         if "start" in told and self._source is None:
             self._start(told["start"])
         if "stop" in told:
@@ -76,12 +76,12 @@ class Sounding:
             self._source.act(event_from_json(told["event"]))
 
     def tell(self) -> None:
-        """Say how things are."""
+        """Report the source's state."""
         if self._source is not None:
             self._outbox.tell(facts=self._source.facts(), level=getattr(self._source, "level", None))
 
     def stop(self) -> None:
-        """End, and free the device."""
+        """Stop and free the device."""
         if self._source is not None:
             self._source.stop()
 
@@ -104,7 +104,7 @@ class Sounding:
                 )  # fmt: skip
                 begun = clock.now() if begun is None else begun
                 source.start(begun=begun)
-        except Exception as error:  # of the sound system: the engine tells the person
+        except Exception as error:  # of the sound system: the engine reports it
             self._outbox.tell(refused=str(error))
             return
         self._source = source
@@ -112,7 +112,7 @@ class Sounding:
 
 
 def main() -> None:
-    """Do what the engine orders until supervisor and engine have gone."""
+    """Carry out the engine's orders until supervisor and engine have ended."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     sock = socket.socket(fileno=int(sys.argv[1]))
@@ -125,7 +125,7 @@ def main() -> None:
     try:
         while not there.deserted:
             for order in there.orders():
-                there.lifeline.beat(0, Phase.STARTING)  # what it loads now takes seconds where much else runs
+                there.lifeline.beat(0, Phase.STARTING)  # loading takes seconds on a busy machine
                 sounding.obey(json.loads(order))
             sounding.tell()
             there.lifeline.beat(0, Phase.RUNNING)

@@ -1,4 +1,4 @@
-"""An engine in which faults are raised, as a chaos run's page says; else that of every show (`engine_main`)."""
+"""Engine process with fault injection for a chaos run; otherwise as `engine_main`."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,7 @@ from live.app.processes import engine_main
 
 
 def main() -> None:
-    """`FOLDER` of the run, then what every engine is told."""
+    """Arguments: the run's `FOLDER`, then those of every engine."""
     from live.rehearse.chaos.injection import install_in_engine
 
     install_in_engine(Path(sys.argv.pop(1)))

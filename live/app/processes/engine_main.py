@@ -1,6 +1,6 @@
-"""An engine as a process of its own: it begins a show, or waits until it goes on with one. See `live.alive`.
+"""Engine process of a supervised show, and the start of the supervisor itself.
 
-Whether a show is supervised, and by which processes; they are started here.
+An engine begins a show, or waits as a standby until it resumes one. See `live.supervisor`.
 """
 
 import hashlib
@@ -38,11 +38,11 @@ if TYPE_CHECKING:
 
 
 BEGINNERS: Final = ("engine", "standby")
-"""Who begins something, and does not go on with it."""
+"""Roles that begin a show instead of resuming one."""
 
 
 def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
-    """Do what the supervisor says first. `loaded`, `show`: what this process was born with, if it was."""
+    """Run in the role that the supervisor assigns. `loaded`, `show`: already loaded if forked from the prefork process."""
     brief = lifeline.brief()
     played = Played.unpacked(brief.show)
     console = Console(stderr=True, highlight=False)
@@ -57,7 +57,7 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | N
     try:
         _play(brief.role, played, lifeline, loaded, show, console)
     except PersonError:
-        if brief.role in BEGINNERS:  # what this machine was asked for cannot be; it is no fault of a running show
+        if brief.role in BEGINNERS:  # the command line is wrong, not a running show: no restart
             lifeline.tell_end(EXIT_PERSON_ERROR)
         raise
     lifeline.tell_end(0)
@@ -88,7 +88,7 @@ def _play(
 
 
 def main() -> None:
-    """Run until the show is over; the exit codes are those of `live`."""
+    """Run until the show ends; exit codes as for `live`."""
     end_cleanly()
     outlive_terminals()
     try:
@@ -101,29 +101,29 @@ def main() -> None:
 
 
 SHORT: Final = 60.0
-"""A run of so few seconds [s] is a try-out: nobody waits to take over."""
+"""Runs shorter than this [s] are not supervised."""
 WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
 """Exit codes of shows that a signal ended."""
 FREE_WITHIN: Final = 5.0
-"""Seconds in which the port of a killed engine is free."""
+"""Time limit [s] for the port of a killed engine to become free."""
 PAUSE: Final = 0.05
 PORT: Final = 9020
-"""Where a machine that leads is found, if nothing else is said."""
+"""Default port of a machine that leads."""
 ENGINE: Final = ["live.app.processes.engine_main"]
-"""The module that is an engine, and its first arguments."""
+"""The engine's module and its first arguments."""
 SHARE: Final = 0.6
-"""Share of the machine's memory that an engine may come to need."""
+"""Share of the machine's memory that an engine may use."""
 
 
 SECRET: Final = ("web_key", "audience_secret")
-"""What is drawn anew at each start."""
+"""Options that are generated at each start."""
 
 
 def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
-    """Whether to watch over this show: one on a screen or without a picture that runs for longer than a try-out.
+    """Whether to supervise this show: on a screen or headless, and not shorter than `SHORT`.
 
-    Films are made by one process: half a film is of no use to who would take over. `machines`: others follow this
-    one, or it follows another; PersonError if that cannot be.
+    Films are made by one process, because a standby cannot continue half a film. `machines`: other machines follow
+    this one, or it follows another; raise PersonError if that is not possible.
     """
     wish = played.wish
     screen = played.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
@@ -137,7 +137,7 @@ def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
 
 
 def supervise(played: Played, *, lead: str | None, standby: str | None, service: str | None = None) -> None:
-    """Run the show with everything that keeps it alive; ends with the engine's exit code."""
+    """Run the show under a supervisor; exit with the engine's exit code."""
     from live.control.osc.osc_server import CannotListen
 
     console = Console(stderr=True, highlight=False)
@@ -167,7 +167,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     except CannotListen as error:
         if service is None:
             raise PersonError(str(error)) from None
-        say(f"{error}")  # perhaps processes of the show before have it, that are just ending: systemd tries again
+        say(f"{error}")  # ending processes of the show before may still hold the port: systemd tries again
         raise SystemExit(1) from None
     python = [sys.executable, "-m"]
     silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
@@ -192,11 +192,11 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         left = cut_off(journal)
     supervisor = Supervisor(orders, say, adoption, left)
     if left is not None:
-        say(f"the show goes on from its journal: it has been gone for {left.gone:.0f} s")
+        say(f"the show is resumed from its journal after {left.gone:.0f} s")
     code = supervisor.run()
     if left is not None and code not in (0, *WISHED) and not supervisor.engines.danced:
-        say(f"the show cannot go on from its journal, which is {keep_aside(Path(str(journal)))} now: it begins anew")
-        raise SystemExit(1)  # and systemd starts it again
+        say(f"the show cannot be resumed from its journal, now {keep_aside(Path(str(journal)))}: it starts again")
+        raise SystemExit(1)  # systemd starts it again
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     if code:
@@ -206,12 +206,12 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
 def _found(label: str, say: Callable[[str], None]) -> Adoption | None:
     adoption = find_engine(label)
     if adoption is not None:
-        say(f"the show goes on: its engine (process {adoption.process.pid}) danced without a supervisor until now")
+        say(f"adopted the running show: its engine (process {adoption.process.pid}) had no supervisor")
     return adoption
 
 
 def _bound(host: str, port: int, hung: bool) -> socket.socket:
-    """The socket for OSC; processes beside an engine that `hung` end a moment after it and have the port until then."""
+    """Return the socket for OSC. After an engine that `hung`, its processes may hold the port for a moment: retry."""
     from live.control.osc.osc_server import CannotListen, bound_socket
 
     deadline = time.monotonic() + (FREE_WITHIN if hung else 0.0)
@@ -225,12 +225,12 @@ def _bound(host: str, port: int, hung: bool) -> socket.socket:
 
 
 def service_label(name: str) -> str:
-    """How the labels of a service's shows begin."""
+    """Return the prefix of the labels of a service's shows."""
     return f"service-{name}."
 
 
 def show_label(played: Played, lead: str | None, standby: str | None, service: str | None) -> str:
-    """By what the engine of this show is found: the same command in the same folder is the same show."""
+    """Return the label by which this show's engine is found: the same command in the same folder is the same show."""
     wish = {name: value for name, value in asdict(played.wish).items() if name not in SECRET}
     picture = (played.monitor, played.fullscreen, played.headless)
     words = json.dumps([os.getcwd(), wish, picture, lead, standby], sort_keys=True, default=str)
@@ -239,7 +239,7 @@ def show_label(played: Played, lead: str | None, standby: str | None, service: s
 
 
 def _endpoint(text: str, option: str) -> tuple[str, int]:
-    """[HOST:]PORT or HOST[:PORT]; a host alone means the usual port, a port alone this machine."""
+    """Parse [HOST:]PORT or HOST[:PORT]; the default port is `PORT`, the default host this machine."""
     host, _, port = text.strip().rpartition(":")
     if ":" not in text and not port.isdecimal():
         host, port = port, str(PORT)
@@ -250,7 +250,7 @@ def _endpoint(text: str, option: str) -> tuple[str, int]:
 
 
 def _network(lead: tuple[str, int] | None, follow: tuple[str, int] | None) -> tuple[Identity | None, Pairings | None]:
-    """This machine's key and whom it is paired with, where there are to be others; PersonError if there can be none."""
+    """Return this machine's key and pairings if the show runs on several machines; raise PersonError if not paired."""
     if lead is None and follow is None:
         return None, None
     identity, pairings = load_identity(), Pairings()
@@ -258,14 +258,14 @@ def _network(lead: tuple[str, int] | None, follow: tuple[str, int] | None) -> tu
     for place, option in ((lead, "--lead"), (follow, "--standby")):
         if place is not None and not paired and not _is_this_machine(place[0]):
             raise PersonError(
-                f"{option} {place[0]}: this machine is paired with no other one; until then a show stays on it",
-                "live pair here, then live pair with this machine's address on the other one",
+                f"{option} {place[0]}: this machine is not paired with another one",
+                "run `live pair` here, then `live pair` with this machine's address on the other one",
             )
     return identity, pairings
 
 
 def _is_this_machine(host: str) -> bool:
-    """Whether an address is one of the loopback."""
+    """Whether an address is a loopback address."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -278,12 +278,12 @@ def _listening(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port), family=family, backlog=16)
     except OSError as error:
         raise PersonError(
-            f"--lead: nobody can follow at {host}:{port}: {error.strerror}", "choose another port"
+            f"--lead: cannot listen at {host}:{port}: {error.strerror}", "choose another port"
         ) from None
 
 
 def _memory() -> int:
-    """Bytes of memory that the machine has."""
+    """Return the machine's memory [bytes]."""
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 

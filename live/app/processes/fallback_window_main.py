@@ -1,4 +1,4 @@
-"""The process with the black window under the show's; it does what the supervisor says, and ends with it."""
+"""Fallback window process: black windows under the show's, controlled by the supervisor and ended with it."""
 
 import signal
 import sys
@@ -12,7 +12,7 @@ ROUND = 0.1
 
 
 def main() -> None:
-    """Wait for orders until the supervisor has gone."""
+    """Carry out the supervisor's orders until it has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     lifeline = Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2]))
     try:
@@ -32,7 +32,7 @@ def main() -> None:
 
 
 def _obey(guards: list[GuardWindow], fullscreen: bool, names: list[str | None]) -> None:
-    """A window under each of the show's full-screen ones."""
+    """Place a window under each full-screen window of the show."""
     while len(guards) < len(names):
         guards.append(GuardWindow())
     for number, guard in enumerate(guards):

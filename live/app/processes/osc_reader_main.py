@@ -1,6 +1,6 @@
-"""The process that reads OSC for an engine; the supervisor starts it, and it goes on while engines change.
+"""OSC reader process for an engine; the supervisor starts it, and it keeps running while engines change.
 
-What is heard meanwhile waits in the socket between both, which the supervisor holds at either end.
+Messages meanwhile wait in the socket to the engine, of which the supervisor holds both ends.
 """
 
 import os
@@ -14,10 +14,10 @@ from live.supervisor.supervisor_link import Lifeline
 
 
 def main() -> None:
-    """Read until the supervisor has gone: an engine that outlives it starts such a process itself."""
+    """Read until the supervisor has ended; an engine that outlives it starts its own reader."""
     told = Told(int(sys.argv[1]), {"nice": 0})
     lifeline = Lifeline.inherited(int(sys.argv[3]), int(sys.argv[4]))
-    come_forward(ENGINE_NICE)  # an operator is heard on a busy machine, too
+    come_forward(ENGINE_NICE)  # operators must be heard on a busy machine too
     reader = Reader(told, int(sys.argv[2]))
     told.say(HELLO)
     lifeline.beat(0, Phase.RUNNING)
@@ -25,7 +25,7 @@ def main() -> None:
         reader.turn(lifeline.wire.socket)
         lifeline.listen()
         lifeline.beat(0, Phase.RUNNING)
-    os._exit(0)  # the sockets are not ours to close
+    os._exit(0)  # skip clean-up: the sockets are inherited, others use them
 
 
 if __name__ == "__main__":

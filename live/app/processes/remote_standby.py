@@ -1,4 +1,4 @@
-"""Standby: this machine dances what another one does, in lockstep and with its own picture, until it takes over."""
+"""Standby on another machine: runs the leader's show in lockstep, with its own picture, until it takes over."""
 
 import contextlib
 import time
@@ -25,11 +25,11 @@ from live.supervisor.state_follower import Following
 from live.supervisor.supervisor_link import Lifeline, nobody_left
 
 RATE = 30.0
-"""Pictures a second while another machine leads."""
+"""Pictures per second while another machine leads."""
 
 
 def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
-    """Follow, wait for the word, and play on."""
+    """Follow the leader until the order to take over, then resume the show here."""
     warm_kernels(console)
     loaded = played.wish.load()
     venue = played.wish.read_venue()
@@ -52,7 +52,7 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
 
 @contextlib.contextmanager
 def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEvent]]:
-    """OSC, of which only /dance/takeover counts here."""
+    """Receive OSC; only /dance/takeover is used here."""
     inbox: Inbox[ControlEvent] = Inbox()
     osc = OscInput(*played.wish.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
     osc.start()
@@ -63,21 +63,21 @@ def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEven
 
 
 def follow(following: Following) -> None:
-    """Run what was told; PersonError if this machine plays another show, or has not the steps for it."""
+    """Apply the received log; raise PersonError if this machine plays another show or lacks its steps."""
     if (other := following.other_show()) is not None:
         raise PersonError(f"the leader plays another show: {other}", "start both machines with the same patch")
     try:
         following.follow()
     except ReplayError as error:
         raise PersonError(
-            f"the leader's show cannot be danced here: {error}", "use the same steps on both machines"
+            f"the leader's show cannot run here: {error}", "use the same steps on both machines"
         ) from None
 
 
 def _follow(
     loaded: LoadedShow, lifeline: Lifeline, played: Played, output: StandbyOutput
 ) -> tuple[dict[str, Any] | None, Following]:
-    """Run what the leader runs, and put it out, until the word comes; None if it never will."""
+    """Follow and draw the leader's show until the order to take over; None if there will be no order."""
     pacer = Pacer(RATE, time.perf_counter, time.sleep)
     following = Following(loaded, heart=lifeline.heart)
     with _listening(lifeline, played) as inbox:

@@ -1,4 +1,4 @@
-"""Resumed: a show that another process danced until now."""
+"""State of a show that another process ran until now."""
 
 from dataclasses import dataclass, field
 
@@ -7,18 +7,18 @@ from live.show.show import Show
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Resumed:
-    """Where it stands, and what is needed to go on with it."""
+    """Everything needed to resume a show."""
 
     show: Show
     tick: int
     """The last tick that was run."""
     origin: float
-    """Of the show's clock [s of perf_counter]."""
+    """Origin of the show's clock [s of perf_counter]."""
     latencies: dict[str, float] = field(default_factory=dict)
-    """Delays that were changed by hand, by name [s]."""
+    """Manually changed delays by name [s]."""
     calm: bool = False
-    """Without sound and other clocks: too much went wrong."""
+    """Safe mode: without audio and external clocks, after too many failures."""
     elsewhere: bool = False
-    """Whether another machine danced it: sound and other devices are to be begun here."""
+    """Whether another machine ran the show: audio and other devices have to be started here."""
     begun: float | None = None
-    """When the music began [s of the show]; None if none plays."""
+    """When the music began [s of the show]; None without music."""

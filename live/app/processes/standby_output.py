@@ -1,4 +1,4 @@
-"""What a machine that stands by puts out while another one leads: pictures, shares, and its status."""
+"""Output of a standby machine while another one leads: picture, sharing and status file."""
 
 import contextlib
 from collections import Counter
@@ -23,12 +23,12 @@ from live.supervisor.supervisor_link import Lifeline
 
 
 class StandbyOutput:
-    """The same as of a show that leads. Thread: the main thread, which owns the OpenGL context."""
+    """Draws, shares and reports the followed show. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(
         self, played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline
     ) -> None:
-        """PersonError for what cannot be: everything that is needed later is made now."""
+        """Make everything that will be needed; raise PersonError if something fails."""
         self._wish, self._lifeline = played.wish, lifeline
         self.window: Any = open_picture(played, loaded, venue, hidden=False)
         self.headless: HeadlessPicture | None = None
@@ -58,11 +58,11 @@ class StandbyOutput:
 
     @property
     def draws(self) -> bool:
-        """Whether everything is put out that was asked for."""
+        """Whether the picture is drawn, or none is wanted."""
         return self._drawn or (self.window is None and self.headless is None)
 
     def frame(self, following: Following) -> None:
-        """Draw, share and tell what is followed, as it is now."""
+        """Draw, share and report the followed show at its present tick."""
         if self.window is not None:
             for _ in self.window.poll():
                 pass
@@ -92,7 +92,7 @@ class StandbyOutput:
                 self.sharing.frame(framebuffer, time)
 
     def _begin(self, show: Show) -> None:
-        """Another show is followed now, or the same one anew."""
+        """Start output for another show object: the leader has changed or restarted."""
         self._show, self._view = show, show.view()
         self._end_status()
         if self._wish.status_json is None:
@@ -101,7 +101,7 @@ class StandbyOutput:
         status.more["alive"] = self._lifeline.status
         if self.sharing is not None:
             status.more["shared"] = self.sharing.facts
-        with contextlib.suppress(OSError):  # the folder has gone since; the show does not need it
+        with contextlib.suppress(OSError):  # the folder has been removed since; the show does not need it
             self._status, self._file = status, StatusFile(self._wish.status_json, status, more=self._wrote)
             self._wrote = True
 
@@ -111,11 +111,11 @@ class StandbyOutput:
         self._file = self._status = None
 
     def hand_over(self) -> None:
-        """The status is the leader's from now on."""
+        """Close the status file: from now on the session writes it."""
         self._end_status()
 
     def close(self, console: Console) -> None:
-        """Give everything back."""
+        """Release all resources."""
         self._end_status()
         if self.sharing is not None:
             self.sharing.close(console)
@@ -128,7 +128,7 @@ class StandbyOutput:
 
 
 def status_can_be_written(played: Played) -> None:
-    """PersonError if the status cannot be written where it was asked for."""
+    """Raise PersonError if the status file cannot be written."""
     path = played.wish.status_json
     if path is None:
         return

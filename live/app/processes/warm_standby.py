@@ -1,6 +1,7 @@
-"""Heir: everything that can be ready is ready before it is needed; then it goes on where the other engine ended.
+"""Warm standby of an engine, and the prefork process from which engines are forked.
 
-What engines are born with: program, kernels, patch and steps; nothing open. See `live.supervisor.prefork`.
+A standby has loaded everything and follows the running show, so that it can resume it at once. The prefork process
+has loaded program, kernels, patch and steps but opened nothing. See `live.supervisor.prefork`.
 """
 
 import contextlib
@@ -34,17 +35,19 @@ if TYPE_CHECKING:
 
 
 LOWEST = 99
-"""A step of quality that is lower than all: the lowest there is."""
+"""A quality level below all others, which selects the lowest one."""
 PATIENCE = 0.5
-"""Seconds between two looks whether anybody is left, while nothing comes."""
+"""Interval [s] between checks whether supervisor and engine have ended, while no message arrives."""
 
 
 def take_over(
     played: Played, lifeline: Lifeline, loaded: LoadedShow | None = None, show: Show | None = None, *, waits: bool,
     console: Console,
 ) -> None:  # fmt: skip
-    """Prepare, follow, wait for the word, and play on. `waits`: others need the machine meanwhile; `loaded`, `show`: if
-    they are here already, with all kernels."""
+    """Prepare, follow the show until the order to take over, then resume it.
+
+    `waits`: run at low priority meanwhile; `loaded`, `show`: already loaded, together with all kernels.
+    """
     processors = stand_back() if waits else frozenset()
     if loaded is None:
         warm_kernels(console)
@@ -54,8 +57,8 @@ def take_over(
     picture = None
     try:
         picture = open_picture(played, loaded, venue, hidden=True, show=show)
-    except Exception as error:  # a driver that is lost: the show goes on, and lights and sound with it
-        lifeline.tell_note(f"there is no picture now: {in_words(error)}")
+    except Exception as error:  # driver lost: show, lights and audio run without a picture
+        lifeline.tell_note(f"no picture: {in_words(error)}")
     try:
         order, following = _follow(loaded, lifeline)
         if order is None:
@@ -72,8 +75,10 @@ def go_on(
     picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
     headless: "HeadlessPicture | None" = None, sharing: "LiveSharing | None" = None,
 ) -> None:  # fmt: skip
-    """Play on where what was followed ended; `elsewhere`: that was another machine. `headless`, `sharing`: what this
-    one drew and shared meanwhile."""
+    """Resume the followed show where it ended.
+
+    `elsewhere`: it ran on another machine; `headless`, `sharing`: this machine's output meanwhile.
+    """
     calm, death = bool(order["calm"]), order["death"]
     if death.get("plain"):
         played = replace(played, wish=replace(played.wish, quality=LOWEST))
@@ -105,7 +110,7 @@ def go_on(
 
 
 def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | None, Following]:
-    """Follow the show until the word comes; None if it never will."""
+    """Follow the show until the order to take over; None if there will be no order."""
     following = Following(loaded, heart=lifeline.heart)
     while True:
         lifeline.listen()
@@ -124,7 +129,7 @@ def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | No
 
 
 def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
-    """What the show listens to; nothing if that is not there any more, for the show goes on all the same."""
+    """Return the show's audio source; no source if it is not available any more."""
     try:
         return choose_sound(played.wish, loaded, venue)
     except PersonError:
@@ -134,8 +139,10 @@ def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
 def open_picture(
     played: Played, loaded: LoadedShow, venue: Venue | None, *, hidden: bool, show: Show | None = None
 ) -> Any:
-    """Windows with everything that draws, seen or not yet; None for a show without a picture. `show`: is drawn once,
-    so that everything is there."""
+    """Open the windows and warm up the renderer; return None for a show without a picture.
+
+    `hidden`: keep the windows invisible; `show`: drawn once for the warm-up.
+    """
     from live.render.window.monitors import list_monitors
 
     if played.headless or not list_monitors():
@@ -146,7 +153,7 @@ def open_picture(
     scene = loaded.scene(whole=False)
     try:
         monitor = find_screen(played.monitor)
-    except PersonError:  # unplugged since: any other is better than none
+    except PersonError:  # unplugged since: use any other one
         monitor = None
     picture = Picture.opened(
         played.wish, scene, monitor=monitor, fullscreen=played.fullscreen, hidden=hidden, venue=venue,
@@ -156,12 +163,15 @@ def open_picture(
 
 
 def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow, Show]:
-    """Load everything while a show runs, and bear engines; comes back in each of them with its own lifeline, and with a
-    show that it may draw to rehearse."""
+    """Load everything while a show runs, then fork engines on request.
+
+    Return in each of them, with its own lifeline and a show for the renderer's warm-up. The prefork process itself
+    returns None as lifeline.
+    """
     processors = stand_back()
     warm_kernels(console)
     for name in ("headless_loop", *(() if played.headless else ("window_loop",))):
-        importlib.import_module(f"live.app.{name}")  # what an heir needs, all the way down
+        importlib.import_module(f"live.app.{name}")  # imports all that a standby needs
     if not played.headless:
         from live.render.body.body_mesh import COARSE, FINE, LIGHT, build_body
         from live.render.window.monitors import load_glfw
@@ -171,7 +181,7 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
         for level in (COARSE, LIGHT, FINE):
             build_body(level)
     loaded = played.wish.load(whole=False)
-    show = loaded.start(seed=played.wish.seed)  # what is computed once and kept with the graph is there then
+    show = loaded.start(seed=played.wish.seed)  # fills the values cached in the graph
     come_forward(0, processors)
     gc.collect()
     gc.freeze()

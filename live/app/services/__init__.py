@@ -1,4 +1,4 @@
-"""Services run beside the frame loop: OSC, MIDI, Link, HTTP, phones, capture and lamps.
+"""Services that run next to the frame loop: OSC, MIDI, Link, HTTP, phones, motion capture and DMX.
 
-It may import every layer but `cli`.
+May import every layer except `cli`.
 """

@@ -1,4 +1,4 @@
-"""The part of a live show that lets the audience's phones play: between the show and the gateway's process."""
+"""Service for the audience's phones: connects the show to the gateway process."""
 
 import importlib.util
 import math
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
     from live.app.launch_options import Wish
 
 BEAT_EVERY: Final = 1.0
-"""The gateway is told the beat at least so often [s], and whenever it slips."""
+"""Longest interval [s] between beats sent to the gateway; a beat that slips is sent at once."""
 BACKLOG: Final = 1024
-"""Connections that wait until the gateway accepts them."""
+"""Queue of connections that the gateway has not accepted yet."""
 NUMBERS: Final = 500
-"""Phones have numbers from this times the seconds of the show on, when a gateway begins: more than any one before it
-can have given (`ALL_JOINS`), in this engine or one that it goes on from."""
+"""A new gateway numbers phones from this factor times the show's time [s]. That is above all numbers that an earlier
+gateway, of this engine or the one it resumes, can have given (`ALL_JOINS`)."""
 
 
 class AudiencePart:
-    """Thread: the one that runs the show."""
+    """Connects the show to the gateway process for phones. Thread: the show's."""
 
     def __init__(
         self, wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
@@ -60,18 +60,18 @@ class AudiencePart:
         self._refused: Counter[str] = Counter()
         self._refused_before: Counter[str] = Counter()
         self.goes_on = False
-        """Whether the show goes on after an engine whose gateway may hold the port still."""
+        """Whether the show is resumed after an engine whose gateway may still hold the port."""
         self.link = ""
-        """The whole link of the moment, with its key; empty before the gateway said it."""
+        """The present link with its key; empty until the gateway reports it."""
         self.code: list[str] = []
-        """Its QR code, rows of 0 and 1."""
+        """The link's QR code, rows of 0 and 1."""
         self.heard = 0
-        """Events that came from the gateway."""
+        """Number of events received from the gateway."""
 
-    # -- beginning and end ---------------------------------------------------------------------------------------
+    # -- start and stop ------------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Listen, and let phones in; PersonError if that cannot be."""
+        """Listen and start the gateway; raise PersonError if that fails."""
         if importlib.util.find_spec("aiohttp") is None:
             raise PersonError("--audience needs the package aiohttp", "make play installs it")
         try:
@@ -79,7 +79,7 @@ class AudiencePart:
         except PersonError as error:
             if not self.goes_on:
                 raise
-            self._note(f"audience: {error}: the show goes on without its audience", "bold red")
+            self._note(f"audience: {error}: the show runs without its audience", "bold red")
             return
         try:
             self._socket = listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
@@ -100,7 +100,7 @@ class AudiencePart:
             self._note(f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red")
 
     def _take_identity(self) -> None:
-        """Read the certificate, if there is one, and say what is doubtful about it; PersonError for what is wrong."""
+        """Read the certificate, if there is one, and print its warnings; raise PersonError if it is invalid."""
         files = tls_files(self._wish, self._venue)
         if files is None:
             return
@@ -113,7 +113,7 @@ class AudiencePart:
 
     @property
     def network(self) -> str:
-        """What the hall's network is like, as the venue says, or as it seems."""
+        """The kind of the hall's network, as in the venue, or as guessed."""
         return self._venue.network or network_of(self._show.patch.audience, public=self.is_public)
 
     @staticmethod
@@ -122,17 +122,17 @@ class AudiencePart:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """The port it listens at."""
         return self._where[1] if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
     def is_public(self) -> bool:
-        """Whether other machines reach it."""
+        """Whether other machines can reach it."""
         return not (self._where[0].startswith("127.") or self._where[0] in ("localhost", "::1"))
 
     @property
     def address(self) -> str:
-        """What phones open, without the key."""
+        """The address that phones open, without the key."""
         if self._wished_link:
             return self._wished_link.rstrip("/")
         host = self._host
@@ -141,7 +141,7 @@ class AudiencePart:
 
     @property
     def _host(self) -> str:
-        """The host that phones are given."""
+        """The host name in the phones' address."""
         if self._wished_link:
             return urlsplit(self._wished_link).hostname or ""
         host = own_address() if self._where[0] in ("0.0.0.0", "::", "") else self._where[0]
@@ -151,11 +151,11 @@ class AudiencePart:
 
     @property
     def process(self) -> int | None:
-        """The number of the gateway's process; None while there is none."""
+        """The gateway's process id; None while it does not run."""
         return None if self._helper is None else self._helper.process
 
     def stop(self) -> None:
-        """Let nobody in any more."""
+        """Stop the gateway and close the port."""
         if self._helper is not None:
             self._helper.stop()
         if self._socket is not None:
@@ -163,7 +163,7 @@ class AudiencePart:
             self._socket = None
 
     def _anew(self) -> None:
-        """A fresh gateway: it is told everything, and gives other numbers than the one before."""
+        """Handle a restart of the gateway: everything is sent again, and phones get new numbers."""
         self._rules = self._beat = None
         self._refused_before += self._refused
         self._refused = Counter()
@@ -175,14 +175,14 @@ class AudiencePart:
     # -- each frame ----------------------------------------------------------------------------------------------
 
     def before_frame(self) -> None:
-        """What the phones want, before the frame, so that it acts in it."""
+        """Receive the phones' input, so that it acts in this frame."""
         if self._helper is not None:
             self._helper.frame()
 
     def _hear(self, packet: tuple[Any, ...]) -> None:
         if packet[0] == "code":
-            if not self.link and not self.is_public:  # nobody else can use it
-                self._note(f"note: audience: {packet[1]}, this machine alone", "yellow")
+            if not self.link and not self.is_public:  # the link contains a key, but works only here
+                self._note(f"note: audience: {packet[1]}, on this machine only", "yellow")
             _, self.link, self.code = packet
             return
         _, at, phones, order, share, places, lights, votes, shaken = packet
@@ -193,7 +193,7 @@ class AudiencePart:
         )  # fmt: skip
 
     def frame(self) -> None:
-        """After each frame: what has changed for the phones."""
+        """Send changed rules and the beat to the gateway, after each frame."""
         if self._helper is None:
             return
         facts = self._helper.facts()
@@ -210,28 +210,29 @@ class AudiencePart:
             self._beat, self._beat_at = beat, now
 
     def _look(self, facts: dict[str, Any]) -> None:
-        """Tell a person, once each, what she can do something about."""
+        """Print a note, once each, for problems that the operator can solve."""
         if self._clock.now() >= self._expires:
             self._expires = math.inf
             self._note(
-                "audience: the certificate has expired: who has joined plays on; phones warn who joins", "bold red"
+                "audience: the certificate has expired: joined phones still work; phones that join show a warning",
+                "bold red",
             )
         if facts.get("crowded") and not self._crowd_told:
             self._crowd_told = True
             self._note(
-                "audience: many phones come from one address or network card, and have no voice. Do all share an "
-                'address here? Then the venue says [audience] network = "behind nat"; by_card = false if a repeater '
-                "hides them", "yellow",
+                "audience: many phones share one address or network card, and their input is ignored. If all phones "
+                'share an address here, set [audience] network = "behind nat" in the venue; by_card = false if a '
+                "repeater hides their cards", "yellow",
             )  # fmt: skip
 
-    # -- what is told --------------------------------------------------------------------------------------------
+    # -- status --------------------------------------------------------------------------------------------------
 
     def refused(self) -> Counter[str]:
-        """What was refused, by reason."""
+        """Return the number of refused inputs by reason."""
         return self._refused_before + self._refused
 
     def status(self) -> dict[str, Any]:
-        """For the status line: nothing of anybody, and no key."""
+        """Return the values for the status line, without personal data or keys."""
         facts = {} if self._helper is None else self._helper.facts()
         told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
         kept = {name: facts.get(name) for name in told}
@@ -241,12 +242,12 @@ class AudiencePart:
 
 
 def rules_of(show: Show) -> Rules:
-    """What the gateway has to know of a show."""
+    """Return the rules of the show that the gateway applies."""
     audience, span = show.audience, show.span
     size = show.timeline.beats_per_measure
 
     def line(measure: int) -> float:
-        """The beat at which a measure begins."""
+        """Return the beat at which a measure begins."""
         return round(span.end + (measure - span.number - 1) * size, 3)
 
     turn, vote = audience.turn, audience.vote
@@ -266,25 +267,28 @@ def rules_of(show: Show) -> Rules:
 
 
 def beat_of(show: Show) -> Beat:
-    """Where a show's beat is."""
+    """Return the show's present beat and tempo."""
     timeline = show.timeline
     line = round(show.span.end % timeline.beats_per_measure, 3)
     return Beat(timeline.time_origin, timeline.beat_origin, timeline.tempo, timeline.beats_per_measure, line)
 
 
 def network_of(section: AudienceSection, *, public: bool) -> str:
-    """What a network is like if no venue says it: behind nat where the patch lets all phones come from one address, or
-    only this machine reaches it, as for trying things out; else phones have addresses of their own."""
+    """Guess the kind of network if the venue does not state it.
+
+    It is "behind nat" if the patch allows all phones from one address, or if only this machine can reach the server,
+    as in a test. Otherwise each phone has its own address.
+    """
     return BEHIND_NAT if section.phones_per_address >= section.phones or not public else OWN_WIFI
 
 
 def tls_files(wish: "Wish", venue: VenueAudience) -> tuple[Path, Path] | None:
-    """Certificate and key, as the command line says, or the venue, whose files lie beside its own; None for http."""
+    """Return certificate and key from the command line or the venue (relative to its file); None for http."""
     return files_of(venue, wish.venue) if wish.audience_tls is None else wish.audience_tls
 
 
 def make_audience(
     wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
 ) -> AudiencePart | None:
-    """What `--audience` asks for, to be started; None if nothing."""
+    """Return the service for `--audience`, not started; None if there is to be none."""
     return None if wish.audience is None else AudiencePart(wish, show, lane, clock, venue)

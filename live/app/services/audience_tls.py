@@ -1,4 +1,4 @@
-"""The certificate by which phones are met over https: read once, checked, and watched until it expires."""
+"""TLS certificate of the server for phones: reading, checks and warnings about its expiry."""
 
 import stat
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from live.show.venue.venue_audience import VenueAudience
 
 LARGEST: Final = 24_000
-"""Bytes of each file: both are handed to the gateway's process in one packet."""
+"""Maximum size of each file [bytes]: both are sent to the gateway process in one packet."""
 SOON: Final = timedelta(days=7)
 NAME: Final = "--audience-tls"
 
@@ -27,36 +27,36 @@ class Identity:
     certificate: bytes
     key: bytes
     names: tuple[str, ...]
-    """The hosts that it is for."""
+    """The host names and addresses it is valid for."""
     begins: datetime
     ends: datetime
     doubts: tuple[str, ...]
-    """What a person should know of its files."""
+    """Warnings about its files."""
 
     def doubt(self, now: datetime, host: str) -> list[str]:
-        """What a person should know at `now`, where phones are given `host`."""
+        """Return the warnings at `now`, if phones are given `host`."""
         found = list(self.doubts)
         if now < self.begins:
             found.append(
-                f"the certificate is valid from {self.begins:%Y-%m-%d %H:%M} UTC on: phones refuse it until then"
+                f"the certificate is valid from {self.begins:%Y-%m-%d %H:%M} UTC: phones refuse it until then"
             )
         if now >= self.ends:
-            found.append(f"the certificate expired on {self.ends:%Y-%m-%d %H:%M} UTC: phones warn of it; renew it")
+            found.append(f"the certificate expired on {self.ends:%Y-%m-%d %H:%M} UTC: phones show a warning; renew it")
         elif self.ends - now < SOON:
             found.append(f"the certificate expires on {self.ends:%Y-%m-%d %H:%M} UTC: renew it soon")
         if not any(_names(name, host) for name in self.names):
-            names = ", ".join(self.names) or "nobody"
-            found.append(f"the certificate is for {names}, and phones are given {host}: give --audience-link")
+            names = ", ".join(self.names) or "no host"
+            found.append(f"the certificate is for {names}, but phones are given {host}: set --audience-link")
         return found
 
     @property
     def host(self) -> str | None:
-        """The host name to give to phones; None if it has none that is whole."""
+        """The host name to give to phones; None if all are wildcards."""
         return next((name for name in self.names if "*" not in name), None)
 
 
 def _names(name: str, host: str) -> bool:
-    """Whether a name of a certificate is a host's; `*` is one label (RFC 9525)."""
+    """Whether a name of a certificate matches a host; `*` is one label (RFC 9525)."""
     name, host = name.casefold(), host.casefold().strip("[]")
     if name.startswith("*."):
         return host.partition(".")[2] == name[2:]
@@ -64,7 +64,7 @@ def _names(name: str, host: str) -> bool:
 
 
 def files_of(venue: "VenueAudience", name: str | None) -> tuple[Path, Path] | None:
-    """Certificate and key of the venue of that name, beside whose file they lie; None if it has none."""
+    """Return certificate and key of a venue, relative to its file; None if it has none. `name`: of the venue."""
     if venue.certificate is None or venue.key is None:
         return None
     from live.show.venue.venue import venue_path
@@ -74,7 +74,7 @@ def files_of(venue: "VenueAudience", name: str | None) -> tuple[Path, Path] | No
 
 
 def parse_tls(text: str | None) -> tuple[Path, Path] | None:
-    """Two files as CERT,KEY; PersonError otherwise."""
+    """Parse two files as CERT,KEY; raise PersonError for anything else."""
     if text is None:
         return None
     words = [word.strip() for word in text.split(",")]
@@ -84,7 +84,10 @@ def parse_tls(text: str | None) -> tuple[Path, Path] | None:
 
 
 def read_identity(certificate: Path, key: Path, name: str = NAME) -> Identity:
-    """A certificate and its key from PEM files; PersonError says what of them is wrong. `name`: who named them."""
+    """Read a certificate and its key from PEM files; raise PersonError if they are invalid.
+
+    `name`: the option or setting that named them, for messages.
+    """
     from cryptography import x509
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_private_key
 
@@ -97,17 +100,17 @@ def read_identity(certificate: Path, key: Path, name: str = NAME) -> Identity:
         private = load_pem_private_key(secret, password=None)
     except TypeError:
         raise PersonError(
-            f"{name}: the key {key} is locked by a password",
+            f"{name}: the key {key} is encrypted with a password",
             f"openssl pkey -in {key} -out open.key; chmod 600 open.key",
         ) from None
-    except Exception:  # the library raises several kinds for what is no key that it knows
+    except Exception:  # the library raises several classes for an unknown or damaged key
         raise PersonError(f"{name}: {key} holds no key in PEM", _swapped(chain, secret)) from None
     shapes = [each.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)
               for each in (found.public_key(), private.public_key())]  # fmt: skip
     if shapes[0] != shapes[1]:
         raise PersonError(
-            f"{name}: the key {key} is not that of the certificate {certificate}",
-            "the certificate itself comes first in its file, those that vouch for it after it",
+            f"{name}: the key {key} does not belong to the certificate {certificate}",
+            "put the certificate itself first in its file, then the intermediate certificates",
         )
     identity = Identity(
         chain, secret, _hosts(found), found.not_valid_before_utc, found.not_valid_after_utc, tuple(_open_to(key))
@@ -117,7 +120,7 @@ def read_identity(certificate: Path, key: Path, name: str = NAME) -> Identity:
 
 
 def _check(identity: Identity, certificate: Path, name: str) -> None:
-    """PersonError for what TLS itself refuses: keys that are too short, kinds that it does not know."""
+    """Raise PersonError for keys that TLS refuses: too short, or of an unknown kind."""
     import ssl
 
     from live.control.audience.tls import server_context
@@ -125,26 +128,26 @@ def _check(identity: Identity, certificate: Path, name: str) -> None:
     try:
         server_context(identity.certificate, identity.key)
     except (ssl.SSLError, OSError) as error:
-        raise PersonError(f"{name}: {certificate} cannot be served: {error}", "have it issued anew") from None
+        raise PersonError(f"{name}: {certificate} cannot be served: {error}", "have a new one issued") from None
 
 
 def _read(path: Path, name: str) -> bytes:
     try:
         data = read_plain(path, LARGEST)
     except OSError as error:
-        remedy = f"chown it to who plays the show, and chmod 600 {path}" if isinstance(error, PermissionError) else None
+        remedy = f"chown it to the user who plays the show, and chmod 600 {path}" if isinstance(error, PermissionError) else None
         raise PersonError(f"{name}: cannot read {path}: {error.strerror}", remedy) from None
     except ValueError:
-        raise PersonError(f"{name}: cannot read {path}: no file can be called so") from None
+        raise PersonError(f"{name}: cannot read {path}: not a valid file name") from None
     if len(data) > LARGEST:
-        raise PersonError(f"{name}: {path} is larger than {LARGEST} bytes: no certificate or key is")
+        raise PersonError(f"{name}: {path} is larger than {LARGEST} bytes: too large for a certificate or key")
     return data
 
 
 def _swapped(chain: bytes, secret: bytes) -> str:
     if b"PRIVATE KEY" in chain and b"BEGIN CERTIFICATE" in secret:
-        return "the certificate comes first, then its key"
-    return "files as Let's Encrypt makes them: fullchain.pem and privkey.pem"
+        return "give the certificate first, then its key"
+    return "use files as from Let's Encrypt: fullchain.pem and privkey.pem"
 
 
 def _hosts(certificate: "Certificate") -> tuple[str, ...]:
@@ -159,4 +162,4 @@ def _hosts(certificate: "Certificate") -> tuple[str, ...]:
 
 def _open_to(key: Path) -> list[str]:
     mode = stat.S_IMODE(key.stat().st_mode)
-    return [f"others can read the key {key} (mode {mode:o}): chmod 600 {key}"] if mode & 0o077 else []
+    return [f"other users can read the key {key} (mode {mode:o}): chmod 600 {key}"] if mode & 0o077 else []

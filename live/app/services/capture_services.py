@@ -1,7 +1,4 @@
-"""The part of a live show to which places of trackers come over the network, by PosiStageNet.
-
-The part of a live show to which real dancers' bodies come over the network, by the VMC protocol.
-"""
+"""Services for motion capture over the network: tracker positions by PosiStageNet, whole bodies by VMC."""
 
 import ipaddress
 import re
@@ -25,26 +22,26 @@ if TYPE_CHECKING:
 
 
 def parse_psn(text: str, name: str = "--psn") -> tuple[str, int, str]:
-    """[GROUP:]PORT or GROUP, with @ADDRESS of a network card behind it, if it matters which; PersonError otherwise."""
+    """Parse [GROUP:]PORT or GROUP, with an optional @ADDRESS of a network card; raise PersonError for anything else."""
     match = re.fullmatch(r"\s*([^@\s]+)(?:@(\d{1,3}(?:\.\d{1,3}){3}))?\s*", text)
     if match is None:
         raise PersonError(f"{name} {text!r}: GROUP:PORT or GROUP:PORT@ADDRESS expected", f"{name} {GROUP}:{PORT}")
     try:
         card = str(ipaddress.IPv4Address(match[2])) if match[2] else ""
     except ValueError:
-        raise PersonError(f"{name} {text!r}: {match[2]} is no address of a card", f"{name} {GROUP}:{PORT}") from None
+        raise PersonError(f"{name} {text!r}: {match[2]} is not an address of a network card", f"{name} {GROUP}:{PORT}") from None
     return *parse_endpoint(with_port(match[1], PORT), name), card
 
 
 class PsnPart:
-    """Between the show and the socket. Thread: the one that runs the show."""
+    """Receives tracker positions by PosiStageNet. Thread: the show's."""
 
     def __init__(self, host: str, port: int, card: str, lane: Lane[ControlEvent], clock: Clock) -> None:
         self._input = PsnInput(host, port, card, lane, clock)
         self._words = f"{host}:{port}" + (f"@{card}" if card else "")
 
     def start(self) -> None:
-        """Begin to listen; PersonError if that cannot be."""
+        """Start to listen; raise PersonError if that fails."""
         try:
             self._input.start()
         except CannotListen as error:
@@ -55,26 +52,26 @@ class PsnPart:
         self._input.stop()
 
     def frame(self) -> None:
-        """After each frame; nothing is to be done."""
+        """Do nothing after each frame."""
 
     def refused(self) -> Counter[str]:
-        """What was refused, by reason."""
+        """Return the number of refused packets by reason."""
         return Counter(self._input.rejected.as_dict())
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         return {"at": self._words, **self._input.facts()}
 
 
 def make_psn(wish: "Wish", venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> PsnPart | None:
-    """What `--psn` or the venue asks for, to be started; None if nobody is to be heard."""
+    """Return the service for `--psn` or the venue's trackers, not started; None if there is to be none."""
     named = None if venue is None or venue.psn.at is None else parse_psn(venue.psn.at, "[psn] at")
     wanted = named if wish.psn is None else parse_psn(wish.psn)
     return None if wanted is None else PsnPart(*wanted, lane, clock)
 
 
 class VmcPart:
-    """Between the show and the sockets. Thread: the one that runs the show."""
+    """Receives bodies of real dancers by VMC. Thread: the show's."""
 
     def __init__(
         self, endpoints: tuple[tuple[str, int], ...], show: Show, lane: Lane[ControlEvent], clock: Clock
@@ -84,7 +81,7 @@ class VmcPart:
         self._words = [f"{host}:{port}" for host, port in endpoints]
 
     def start(self) -> None:
-        """Begin to listen; PersonError if that cannot be."""
+        """Start to listen; raise PersonError if that fails."""
         try:
             self._input.start()
         except CannotListen as error:
@@ -95,29 +92,29 @@ class VmcPart:
         self._input.stop()
 
     def frame(self) -> None:
-        """After each frame; nothing is to be done."""
+        """Do nothing after each frame."""
 
     def take_patch(self, patch: Patch) -> None:
-        """The performers are those of another patch."""
+        """Use the performers of another patch."""
         self._input.reseat(seats_of(patch))
 
     def refused(self) -> Counter[str]:
-        """What was refused, by reason."""
+        """Return the number of refused packets by reason."""
         return Counter(self._input.rejected.as_dict())
 
     def status(self) -> dict[str, Any]:
-        """For the status line: what comes, and what becomes of it on the stage."""
+        """Return the values for the status line: the input, and its state on the stage."""
         stage = self._show.mocap.facts(self._show.time)
         return {"at": self._words, **self._input.facts(), "stage": stage}
 
 
 def seats_of(patch: Patch) -> tuple[Seat, ...]:
-    """The performers of a patch."""
+    """Return the performers of a patch."""
     return tuple(Seat(each.name, each.port, each.sender, each.floor) for each in patch.mocap)
 
 
 def make_vmc(wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> VmcPart | None:
-    """What `--vmc` or the venue asks for, to be started; None if nobody is to be heard."""
+    """Return the service for `--vmc` or the venue's ports, not started; None if there is to be none."""
     named = () if venue is None else venue.vmc.at
     endpoints = wish.vmc or tuple(parse_endpoint(with_port(each, 39539), "[vmc] at") for each in named)
     return VmcPart(endpoints, show, lane, clock) if endpoints else None

@@ -1,7 +1,4 @@
-"""The part of a live show that clicks for the players.
-
-The part of a live show that is in an Ableton Link session.
-"""
+"""Services for the musicians' click track and for an Ableton Link session."""
 
 from typing import Final, cast
 
@@ -20,7 +17,10 @@ from live.show.venue.venue import Venue
 def make_click(
     device: str | None, channels: str | None, venue: Venue | None, show: Show, clock: Clock
 ) -> OnClick | None:
-    """What `--click` or the venue asks for, to be started; None if nothing. PersonError that lists what there is."""
+    """Return the click service for `--click` or the venue, not started; None if there is to be none.
+
+    Raise PersonError, which lists the devices, if there is no such device.
+    """
     audio = None if venue is None else venue.audio
     wanted = device or (None if audio is None else audio.click)
     if wanted is None:
@@ -49,7 +49,10 @@ OFF: Final = "off"
 def make_link(
     wanted: str | None, show: Show, inbox: Inbox[ControlEvent], clock: Clock, console: Console
 ) -> OnLink | None:
-    """What `--link` or the patch asks for, to be started; None if nothing, or (with a note) if Link is not there."""
+    """Return the Link service for `--link` or the patch, not started; None if there is to be none.
+
+    If Link is not available, print a note and return None.
+    """
     section = show.patch.link
     mode = wanted or section.mode
     if mode == OFF:
@@ -64,6 +67,6 @@ def make_link(
             start_stop=section.start_stop,
         )
     except LinkUnavailable as error:
-        console.print(f"note: {error}; the show goes on without it", style="yellow", soft_wrap=True, markup=False)
+        console.print(f"note: {error}; the show runs without it", style="yellow", soft_wrap=True, markup=False)
         return None
     return OnLink(show, session)

@@ -1,4 +1,4 @@
-"""The part of a live show that the hall's lamps follow: sACN or Art-Net."""
+"""Service for DMX output of the show by sACN or Art-Net."""
 
 import re
 import socket
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from live.app.launch_options import Wish
 
 AT_ONCE: Final = 64
-"""Values that are told in one packet."""
+"""Maximum number of values in one packet."""
 
 
 def parse_universe(text: str) -> Universe:
-    """sacn:UNIVERSE[@HOST[:PORT]] or artnet:UNIVERSE@HOST[:PORT]; PersonError otherwise."""
+    """Parse sacn:UNIVERSE[@HOST[:PORT]] or artnet:UNIVERSE@HOST[:PORT]; raise PersonError for anything else."""
     match = re.fullmatch(r"\s*(sacn|artnet):(\d{1,5})(?:@([^:@\s]+)(?::(\d{1,5}))?)?\s*", text)
     if match is None or (match[1] == "artnet" and not match[3]) or int(match[4] or 0) > 65535:
         raise PersonError(
@@ -37,7 +37,7 @@ def parse_universe(text: str) -> Universe:
 
 
 class DmxPart:
-    """Between the show and the process that sends. Thread: the one that runs the show."""
+    """Feeds the process that sends DMX. Thread: the show's."""
 
     def __init__(self, engine: Engine, universes: tuple[Universe, ...], clock: Clock) -> None:
         show = engine.show
@@ -56,21 +56,21 @@ class DmxPart:
         self._helper = Helper("live.control.dmx_output", clock, plan, self._anew)
 
     def start(self) -> None:
-        """Begin to send; PersonError for a host that nobody knows."""
+        """Start to send; raise PersonError for an unknown host."""
         for each in self._universes:
             try:
                 socket.gethostbyname(each.host or "127.0.0.1")
             except OSError as error:
                 where = f"{each.protocol}:{each.number}@{each.host}"
-                raise PersonError(f"--dmx {where}: {error.strerror or error}", "name hosts by their numbers") from None
+                raise PersonError(f"--dmx {where}: {error.strerror or error}", "use IP addresses") from None
         self._helper.start()
 
     def stop(self) -> None:
-        """Send nothing any more."""
+        """Stop sending."""
         self._helper.stop()
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Queue the changed values that a channel uses."""
         mine = {address: rows for address, rows in changes.items() if address in self._named}
         self._all.update(mine)
         self._untold.update(mine)
@@ -80,7 +80,7 @@ class DmxPart:
         self._untold = dict(self._all)
 
     def frame(self) -> None:
-        """After each frame: what there is to tell."""
+        """Send changed values and positions, after each frame."""
         self._helper.frame()
         for told in self._outgoing.frame(self._engine.view):
             self._helper.send(told)
@@ -91,11 +91,11 @@ class DmxPart:
                     del self._untold[address]
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         to = [f"{each.protocol}:{each.number}@{each.host or 'all'}" for each in self._universes]
         return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
 
 
 def make_dmx(wish: "Wish", clock: Clock, engine: Engine) -> DmxPart | None:
-    """What `--dmx` asks for, to be started; None if no lamp is to follow."""
+    """Return the service for `--dmx`, not started; None if there is to be none."""
     return DmxPart(engine, tuple(map(parse_universe, wish.dmx)), clock) if wish.dmx else None

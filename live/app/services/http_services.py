@@ -1,14 +1,7 @@
-"""HttpPart: a part of a live show that answers over HTTP, in a process of its own that is told the show's values.
+"""Services over HTTP in separate processes: OSCQuery (with zeroconf) and the operator's web page.
 
-The part of a live show that other programs find by themselves: OSCQuery over HTTP, and zeroconf.
-
-The key of the operator's page: who brings it may do with the show whatever the page can.
-
-It is made once and kept in the user's folder of settings, so that a tablet that was let in yesterday is let in today.
-
-How others in the network reach this machine.
-
-The part of a live show that its operator opens in a browser.
+The access key of the web page permits everything that the page can do. It is created once and kept in the user's
+settings folder, so that a browser that has it keeps its access.
 """
 
 import contextlib
@@ -38,30 +31,30 @@ from live.show.patch.patch_search_path import user_settings
 from live.show.show import Show
 
 AT_ONCE: Final = 64
-"""Addresses that are told in one packet."""
+"""Maximum number of addresses in one packet."""
 BACKLOG: Final = 128
-"""Connections that wait until the process accepts them."""
+"""Queue of connections that the process has not accepted yet."""
 
 
 class HttpPart:
-    """Between the show and the process that answers. Thread: the one that runs the show."""
+    """Runs a process that answers over HTTP, and sends it the show's values. Thread: the show's."""
 
     def __init__(
         self, where: tuple[str, int], option: str, module: str, plan: Callable[[], dict[str, Any]], clock: Clock,
         *, needs: Sequence[str] = ("aiohttp",),
     ) -> None:  # fmt: skip
-        """`module` is the process, `plan` what it reads first beside its socket (`http`); `needs`: packages."""
+        """`module`: of the process; `plan`: its first message, besides its socket (`http`); `needs`: packages."""
         self._where, self._option, self._module, self._plan, self._clock = where, option, module, plan, clock
         self._needs = needs
         self.goes_on = False
-        """Whether the show goes on after an engine that may hold the port still."""
+        """Whether the show is resumed after an engine that may still hold the port."""
         self._socket: socket.socket | None = None
         self._helper: Helper | None = None
         self._all: dict[str, Any] = {}
         self._untold: dict[str, Any] = {}
 
     def start(self) -> None:
-        """Listen, and begin to answer; PersonError if that cannot be."""
+        """Listen and start the process; raise PersonError if that fails."""
         missing = [name for name in self._needs if importlib.util.find_spec(name) is None]
         if missing:
             raise PersonError(f"{self._option} needs the package {' and '.join(missing)}", "make play installs it")
@@ -78,7 +71,7 @@ class HttpPart:
             raise PersonError(f"{self._option} {where}: {error}", "choose another port") from None
 
     def stop(self) -> None:
-        """Answer nobody any more."""
+        """Stop the process and close the port."""
         if self._helper is not None:
             self._helper.stop()
         if self._socket is not None:
@@ -86,7 +79,7 @@ class HttpPart:
             self._socket = None
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Queue changed values."""
         self._all.update(changes)
         self._untold.update(changes)
 
@@ -94,7 +87,7 @@ class HttpPart:
         self._untold = dict(self._all)
 
     def frame(self) -> None:
-        """After each frame: pass on what has changed, a little at a time."""
+        """Send some of the changed values, after each frame."""
         if self._helper is None:
             return
         self._helper.frame()
@@ -106,26 +99,26 @@ class HttpPart:
 
     @property
     def port(self) -> int:
-        """Where it answers."""
+        """The port it listens at."""
         return self._where[1] if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
     def process(self) -> int | None:
-        """The number of the process that answers; None while there is none."""
+        """The id of the process; None while it does not run."""
         return None if self._helper is None else self._helper.process
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         return {} if self._helper is None else self._helper.facts()
 
 
 class OscQueryPart(HttpPart):
-    """Between the show and the process that answers OSCQuery."""
+    """Runs the process that answers OSCQuery."""
 
     def __init__(
         self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock, *, hosts: Sequence[str] = ()
     ) -> None:
-        """`osc`: where the show listens; `hosts`: see `accepted_hosts`."""
+        """`osc`: the show's OSC address; `hosts`: see `accepted_hosts`."""
         super().__init__(
             where, "--oscquery", "live.control.osc.oscquery_server",
             lambda: {"osc": osc, "name": name, "hosts": list(hosts)}, clock, needs=("aiohttp", "zeroconf"),
@@ -133,63 +126,63 @@ class OscQueryPart(HttpPart):
 
 
 MADE_BYTES: Final = 16
-"""Of chance in a key that is made here."""
+"""Random bytes in a generated key."""
 SHORTEST: Final = 16
 LONGEST: Final = 128
 LETTERS: Final = 6
-"""A key has so many different characters at least."""
+"""Minimum number of different characters in a key."""
 _KEY: Final = re.compile(rf"[A-Za-z0-9._~-]{{{SHORTEST},{LONGEST}}}")
 _RULE: Final = f"{SHORTEST} to {LONGEST} letters, digits and . _ ~ - expected, {LETTERS} different ones at least"
 
 
 @dataclass(frozen=True, slots=True)
 class WebAccess:
-    """Where the operator's page is served, to whom, and by which names."""
+    """Address, access key and host names of the operator's web page."""
 
     where: tuple[str, int] | None
-    """None: nowhere."""
+    """None: no web page."""
     key: str = field(default="", repr=False)
     hosts: tuple[str, ...] = ()
-    """Names by which this machine is reached beside its addresses; OSCQuery has them, too."""
+    """Host names of this machine besides its addresses; OSCQuery uses them too."""
 
 
 def parse_web(
     web: str | None, *, key: str | None, new_key: bool, hosts: Sequence[str],
     note: Callable[[str], None] = lambda words: None,
 ) -> WebAccess:  # fmt: skip
-    """What the command line says of the page, with the key that is kept if it gives none; PersonError otherwise."""
+    """Parse the options of the web page; the default key is the stored one. Raise PersonError for invalid options."""
     for host in hosts:
         if re.fullmatch(HOST_NAME, host) is None:
             raise PersonError(f"--web-host {host[:80]!r}: NAME or NAME:PORT expected", "--web-host show.example")
     if web is None:
         if new_key:
-            raise PersonError("--new-web-key: there is no page without --web", "--web 8010 --new-web-key")
+            raise PersonError("--new-web-key: there is no web page without --web", "--web 8010 --new-web-key")
         return WebAccess(None, hosts=tuple(hosts))
     where = parse_endpoint(web, "--web")
     if key is None:
         return WebAccess(where, kept_key(fresh=new_key, note=note), tuple(hosts))
     if new_key:
-        raise PersonError("--new-web-key: a key was given (--web-key, LIVE_WEB_KEY)", "leave out one of them")
+        raise PersonError("--new-web-key: a key was given (--web-key, LIVE_WEB_KEY)", "leave out one of the two")
     return WebAccess(where, own_key(key, "--web-key"), tuple(hosts))
 
 
 def key_file() -> Path:
-    """Where the key is kept."""
+    """Return the path of the key's file."""
     return user_settings() / "web-key"
 
 
 def own_key(text: str, where: str) -> str:
-    """A key that a person has chosen; PersonError for what is none, which names `where` it stands and not the key."""
+    """Check and return a key chosen by a person; raise PersonError, which names `where` but not the key."""
     if _KEY.fullmatch(text) is None or len(set(text)) < LETTERS:
-        raise PersonError(f"{where}: that is no key: {_RULE}", "leave it out: a good one is made")
+        raise PersonError(f"{where}: invalid key: {_RULE}", "leave it out: a key is generated")
     return text
 
 
 def kept_key(*, fresh: bool = False, note: Callable[[str], None] = lambda words: None) -> str:
-    """The key that is kept, made if there is none yet, or if a `fresh` one is wanted.
+    """Return the stored key; generate it if there is none or if `fresh` is set.
 
-    PersonError where others than its owner may read it, or something else stands there. Where nothing can be kept it is
-    for this show alone, and `note` gets that in words.
+    Raise PersonError if other users may read the file, or if it is not a regular file. If the key cannot be stored, it
+    is valid for this show only, and `note` is called with the reason.
     """
     path = key_file()
     try:
@@ -197,15 +190,15 @@ def kept_key(*, fresh: bool = False, note: Callable[[str], None] = lambda words:
         found = None if fresh else _read(path)
         return _write(path, replace=fresh) if found is None else found
     except OSError as error:
-        note(f"the key of the operator's page is for this show alone: {path}: {error.strerror or error}")
+        note(f"the key of the operator's page is valid for this show only: {path}: {error.strerror or error}")
         return secrets.token_urlsafe(MADE_BYTES)
 
 
 def _read(path: Path) -> str | None:
-    """The key in the file; None if there is none."""
+    """Read the key's file; return None if there is none."""
     wrong = PersonError(
-        f"{path}: the key of the operator's page has to be a file, no link, yours, that nobody else may read",
-        "--new-web-key makes another one",
+        f"{path}: the key of the operator's page has to be a file, no link, owned by you and readable by you only",
+        "--new-web-key generates a new one",
     )
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -225,11 +218,14 @@ def _read(path: Path) -> str | None:
     try:
         return own_key(text.decode("ascii").rstrip("\n"), f"{path}, line 1")
     except (PersonError, UnicodeDecodeError):
-        raise PersonError(f"{path}, line 1: that is no key: {_RULE}", "--new-web-key makes another one") from None
+        raise PersonError(f"{path}, line 1: invalid key: {_RULE}", "--new-web-key generates a new one") from None
 
 
 def _write(path: Path, *, replace: bool) -> str:
-    """A new key, whole in its file at once; where another show has just made one and none is to be replaced, that."""
+    """Generate a key and write its file atomically; return the key.
+
+    If another show has just written one and `replace` is not set, return that one.
+    """
     key = secrets.token_urlsafe(MADE_BYTES)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
@@ -252,8 +248,10 @@ def _write(path: Path, *, replace: bool) -> str:
 
 
 def own_address() -> str:
-    """This machine's address in its network: that from which it would send (nothing is sent), or, where no way leads
-    out of the hall, the first that it has."""
+    """Return this machine's address in its network.
+
+    It is the source address of the default route (nothing is sent), or without a route the first address.
+    """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking, contextlib.suppress(OSError):
         asking.connect(("192.0.2.1", 9))
         return str(asking.getsockname()[0])
@@ -266,13 +264,13 @@ def own_address() -> str:
 
 
 class WebPart(HttpPart):
-    """Between the show and the process that serves the operator's page."""
+    """Runs the process that serves the operator's web page."""
 
     def __init__(
         self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
         hosts: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        """`key`: without it nobody gets in; `osc`: where the show itself listens; `hosts`: see `accepted_hosts`."""
+        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `accepted_hosts`."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:
@@ -286,14 +284,14 @@ class WebPart(HttpPart):
         self._key = key
 
     def start(self) -> None:
-        """Listen, begin to answer, and say where; PersonError if that cannot be."""
+        """Listen, start the process and print the link; raise PersonError if that fails."""
         super().start()
         link = f"http://{_reached_at(self._where[0])}:{self.port}/#key={self._key}"
         Console(stderr=True, highlight=False).print(f"operator's page: {link}", soft_wrap=True, markup=False)
 
 
 def _reached_at(host: str) -> str:
-    """The address that somebody else would write for a host that means all of this machine's."""
+    """Return the host as written in a web address; for all interfaces, this machine's address."""
     if host not in ("0.0.0.0", "::"):
         return f"[{host}]" if ":" in host else host
     return own_address()

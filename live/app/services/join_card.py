@@ -1,4 +1,4 @@
-"""JoinCard: the card with the link that an audience joins by, on the outputs that show it."""
+"""Test card with the audience's join link."""
 
 from live.app.session import Session
 from live.render.outputs.projection import Projection
@@ -6,14 +6,14 @@ from live.render.outputs.test_card import JOIN, join_card
 
 
 class JoinCard:
-    """Makes the card that an audience joins by, while somebody shows it, whenever its link is another one."""
+    """Redraws the card with the join link when the link changes, while an output shows it."""
 
     def __init__(self, session: Session, picture: Projection) -> None:
         self._audience, self._picture = session.audience, picture
         self._link = ""
 
     def frame(self) -> None:
-        """Before each frame."""
+        """Update the card, before each frame."""
         audience = self._audience
         if audience is None or audience.link == self._link or not audience.code:
             return

@@ -1,8 +1,4 @@
-"""The part of a live show that is on MIDI: a port that is listened to, one that is told present values, and one that
-the beat is sent to.
-
-The part of a show that is a MIDI file: its tempo map leads the beat, its notes work what the patch's map says.
-"""
+"""Services for MIDI: input, feedback output and clock output, and a MIDI file as tempo map and cue track."""
 
 import queue
 from pathlib import Path
@@ -40,7 +36,7 @@ OFF: Final = "off"
 
 
 class OnMidi:
-    """Between the show and its MIDI ports. Thread: the one that runs the show."""
+    """Connects the show to its MIDI ports. Thread: the show's."""
 
     def __init__(
         self,
@@ -54,7 +50,10 @@ class OnMidi:
         sends: MidiClockProcess | None = None,
         values: Values | None = None,
     ) -> None:
-        """`listens` plays by `midi_map`; `tells` is told `values`; `sends` the beat. `patch`: where it is kept."""
+        """`listens`: input through `midi_map`; `tells`: feedback output of `values`; `sends`: clock output.
+
+        `patch`: the patch's file, next to which learned bindings are saved.
+        """
         self._show, self._clock = show, clock
         self._listens, self._tells, self._sends = listens, tells, sends
         self._values = values or Values()
@@ -69,34 +68,34 @@ class OnMidi:
         self._take()
 
     def start(self) -> None:
-        """Open the ports; those that are not there are waited for."""
+        """Open the ports; missing ports are opened when they appear."""
         for part in (self._listens, self._tells, self._sends):
             if part is not None:
                 part.start()
 
     def stop(self) -> None:
-        """Close them; listeners of the clock are told to stop."""
+        """Close the ports; the clock output sends a stop."""
         for part in (self._listens, self._tells, self._sends):
             if part is not None:
                 part.stop()
 
     def take_patch(self, patch: Patch) -> None:
-        """Notes and controllers do what another patch says from now on."""
+        """Use the MIDI map of another patch."""
         self.learning.take(patch.midi)
         self._take()
 
     def act(self, event: ControlEvent) -> None:
-        """What was asked of the ports."""
+        """Handle events that concern MIDI learn."""
         if isinstance(event, LearnMidi | ForgetMidi):
             self.learning.ask(event, self._take)
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Update values that have changed in the show."""
         self._values.take(changes)
         self._feedback.changed(changes)
 
     def frame(self) -> None:
-        """After each frame: how the show runs."""
+        """Pass on the beat, learned bindings and feedback, after each frame."""
         timeline = self._show.timeline
         if self._sends is not None:
             self._sends.follow(timeline)
@@ -111,7 +110,7 @@ class OnMidi:
             self._give(self._tells)
 
     def _give(self, tells: MidiOutput) -> None:
-        """Tell what has changed; somebody who was plugged in just now, everything."""
+        """Send feedback that has changed; all of it after the port was opened."""
         if tells.opened != self._opened:
             self._opened = tells.opened
             self._feedback.afresh()
@@ -132,28 +131,28 @@ class OnMidi:
         self._kept = words
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         parts = (("in", self._listens), ("told", self._tells), ("out", self._sends))
         facts: dict[str, Any] = {name: part.facts() for name, part in parts if part is not None}
         return facts | {"learns": self.learning.waits_for, "said": self.learning.said, "kept": self._kept}
 
     def problem(self) -> str:
-        """What a person should know."""
+        """Return the first port's problem in words; empty if there is none."""
         parts = (self._listens, self._tells, self._sends)
         told = (f"MIDI {part.name!r}: {part.problem}" for part in parts if part is not None and part.problem)
         return next(told, "")
 
     def note(self) -> str:
-        """What somebody is waited for to do, for the overlay."""
+        """Return the overlay's prompt while a control is learned; else empty."""
         address = self.learning.waits_for
-        return f"MIDI: move what shall work {address} (Esc: nothing after all)" if address else ""
+        return f"MIDI: move the controller for {address} (Esc cancels)" if address else ""
 
     def said(self) -> str:
-        """What was learned or forgotten last, and what became of it."""
+        """Return the last change of the map and whether it was saved, in words."""
         return "; ".join(words for words in (self.learning.said, self._kept) if words)
 
     def refusal(self) -> str:
-        """What was played, or asked to be learned, and refused last."""
+        """Return the last refused input or request to learn, in words."""
         if self.learning.refused:
             return self.learning.refused
         refused = None if self._listens is None else self._listens.last_rejection
@@ -163,10 +162,10 @@ class OnMidi:
 def make_midi(
     wish: "Wish", show: Show, venue: Venue | None, inbox: Inbox[ControlEvent], clock: Clock, patch: Path
 ) -> OnMidi:
-    """What `--midi`, `--midi-out` and `--midi-clock-out`, the venue or the patch ask for, to be started; perhaps
-    nothing. `patch` is its file.
+    """Return the service for `--midi`, `--midi-out` and `--midi-clock-out`, the venue or the patch, not started.
 
-    A port that is named on the command line must be there: PersonError, which lists those that are.
+    It may have no port. `patch`: the patch's file. A port named on the command line must exist: else PersonError,
+    which lists the ports.
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
@@ -207,7 +206,7 @@ def make_midi(
 def _named(
     direction: Direction, option: str, wished: str | None, of_venue: str | None, of_patch: str | None
 ) -> str | None:
-    """The port that is asked for, its whole name where it is there."""
+    """Return the name of the wanted port, in full if it was given on the command line; None for no port."""
     if wished == OFF:
         return None
     if wished is None:
@@ -221,33 +220,33 @@ def _named(
 
 
 class MidiFilePart:
-    """Between a show and a song. Thread: the one that runs the show; live and offline alike."""
+    """Plays a MIDI file into a show, live or offline: tempo map and notes. Thread: the show's."""
 
     def __init__(self, path: Path, show: Show, engine: Engine, *, begun: int = 0) -> None:
-        """`begun`: the tick after which the show is gone on with. PersonError for a file that cannot be played."""
+        """`begun`: the last tick before the show is resumed. Raise PersonError for a file that cannot be played."""
         self._show = show
         song = read_song(path)
         self._player = MidiSongPlayer(song, _bindings(show.patch), beats_per_measure=show.timeline.beats_per_measure)
         if begun:
-            self._due((begun + 1) * TICK)  # another engine has told that
+            self._due((begun + 1) * TICK)  # the engine before has sent these events
         engine.timed.append(self._due)
         engine.patched.append(self.take_patch)
 
     def take_patch(self, patch: Patch) -> None:
-        """Its notes do what another patch says from now on."""
+        """Use the MIDI map of another patch."""
         self._player.take(_bindings(patch))
 
     def start(self) -> None:
-        """Nothing is to be opened."""
+        """Do nothing: there is no port."""
 
     def stop(self) -> None:
-        """Nothing is to be closed."""
+        """Do nothing: there is no port."""
 
     def frame(self) -> None:
-        """After each frame; it goes by ticks."""
+        """Do nothing: events are due by tick, not by frame."""
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         return self._player.facts()
 
     def _due(self, until: float) -> list[ControlEvent]:
@@ -256,11 +255,11 @@ class MidiFilePart:
 
 
 def play_file(path: Path | None, show: Show, engine: Engine) -> None:
-    """Let a file, if there is one, lead a show that nobody watches."""
+    """Let a MIDI file, if there is one, lead a show that is rendered offline."""
     if path is not None:
         MidiFilePart(path, show, engine)
 
 
 def _bindings(patch: Patch) -> tuple[Binding, ...]:
-    """What a person wrote and taught; the pedals and keys that work without a map are for hands and feet."""
+    """Return written and learned bindings; none otherwise, as the default map is for live controllers."""
     return patch.midi.bindings if patch.midi.map or patch.midi.learned else ()

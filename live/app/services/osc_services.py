@@ -1,9 +1,4 @@
-"""The part of a live show that listens for its operators by OSC, in this process or in one of its own.
-
-The part of a live show that listens for musicians at an OSC port of their own, where only what they may is taken.
-
-The part of a live show that tells musicians and other programs over OSC what happens in it.
-"""
+"""Services for OSC: the operators' port, the musicians' port with restricted commands, and the output."""
 
 from collections import Counter
 from functools import partial
@@ -32,10 +27,10 @@ if TYPE_CHECKING:
 
 
 class OperatorsPort:
-    """The OSC input that everything is taken at. Thread: the one that runs the show."""
+    """OSC input for all commands, in this process or in a separate one. Thread: the show's."""
 
     def __init__(self, wish: Wish, inbox: Inbox[ControlEvent], clock: Clock, lifeline: Lifeline | None) -> None:
-        """Nothing is bound yet; a socket that a supervisor holds is taken over."""
+        """Bind nothing yet; a socket held by the supervisor is inherited."""
         operators = partial(inbox.lane, rank=RANKS["operator"])
         lane, inherited = operators(), None if lifeline is None else lifeline.osc
         reader = None if lifeline is None else lifeline.osc_reader
@@ -46,7 +41,7 @@ class OperatorsPort:
         )
 
     def start(self) -> None:
-        """Bind; PersonError if that cannot be."""
+        """Bind the port; raise PersonError if that fails."""
         try:
             self._osc.start()
         except CannotListen as error:
@@ -57,34 +52,34 @@ class OperatorsPort:
         self._osc.stop()
 
     def frame(self) -> None:
-        """Before each frame: what the other process heard since the last one."""
+        """Receive messages from the reader process, before each frame."""
         if isinstance(self._osc, OscRemote):
             self._osc.frame()
 
     @property
     def port(self) -> int:
-        """The port it really receives on."""
+        """The port that is bound."""
         return self._osc.port
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Pass on changed values."""
         self._osc.tell(changes)
 
     def rejected(self) -> Counter[str]:
-        """How much was refused, by reason, and what was lost before anybody read it."""
+        """Return the number of refused messages by reason, with those lost before they were read."""
         return osc_rejected(self._osc)
 
     def refusal(self) -> str:
-        """The last refusal in words."""
+        """Return the last refusal in words."""
         return self._osc.refusal()
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         return self._osc.facts()
 
 
 def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
-    """How much was refused, by reason, and what was lost before anybody read it."""
+    """Return the number of refused messages by reason, with those lost before they were read."""
     counts = Counter(osc.refused())
     if osc.lost:
         counts["lost before it was read"] = osc.lost
@@ -92,13 +87,13 @@ def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
 
 
 class MusiciansPort:
-    """A second OSC input. Thread: the one that runs the show."""
+    """Second OSC input, for commands that musicians may use. Thread: the show's."""
 
     def __init__(self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock) -> None:
         self._osc = OscInput(host, port, lane, clock, role="musician", option="--osc-musicians")
 
     def start(self) -> None:
-        """Bind; PersonError if that cannot be."""
+        """Bind the port; raise PersonError if that fails."""
         try:
             self._osc.start()
         except CannotListen as error:
@@ -109,60 +104,60 @@ class MusiciansPort:
         self._osc.stop()
 
     def frame(self) -> None:
-        """After each frame; nothing is to be done."""
+        """Do nothing after each frame."""
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Pass on changed values."""
         self._osc.tell(changes)
 
     def refused(self) -> Counter[str]:
-        """What was refused, by reason."""
+        """Return the number of refused messages by reason."""
         return Counter(self._osc.refused())
 
     def refusal(self) -> str:
-        """The last refusal in words."""
+        """Return the last refusal in words."""
         told = self._osc.refusal()
         return f"musicians: {told}" if told else ""
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         return self._osc.facts()
 
 
 class OscOutPart:
-    """Between the show and the process that sends. Thread: the one that runs the show."""
+    """Feeds the process that sends OSC. Thread: the show's."""
 
     def __init__(self, engine: Engine, outgoing: Outgoing, targets: tuple[tuple[str, int], ...], clock: Clock) -> None:
         self._engine, self._outgoing, self._targets = engine, outgoing, targets
         self._helper = Helper("live.control.osc.osc_output", clock, {"targets": targets}, outgoing.anew)
 
     def start(self) -> None:
-        """Begin to send; PersonError for a host that nobody knows."""
+        """Start to send; raise PersonError for an unknown host."""
         try:
             Targets(self._targets).close()
         except OSError as error:
             shown = ", ".join(f"{host}:{port}" for host, port in self._targets)
-            raise PersonError(f"--osc-out {shown}: {error.strerror or error}", "name hosts by their numbers") from None
+            raise PersonError(f"--osc-out {shown}: {error.strerror or error}", "use IP addresses") from None
         self._helper.start()
 
     def stop(self) -> None:
-        """Send nothing any more."""
+        """Stop sending."""
         self._helper.stop()
 
     def frame(self) -> None:
-        """After each frame: what there is to tell."""
+        """Send the show's output, after each frame."""
         self._helper.frame()
         for told in self._outgoing.frame(self._engine.view):
             self._helper.send(told)
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         to = [f"{host}:{port}" for host, port in self._targets]
         return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
 
 
 def make_osc_out(wish: "Wish", show: Show, venue: Venue | None, clock: Clock, engine: Engine) -> OscOutPart | None:
-    """What `--osc-out`, the venue or the patch asks for, to be started; None if nobody is to be told."""
+    """Return the service for `--osc-out`, the venue or the patch, not started; None if there is to be none."""
     section = show.patch.osc
     named = section.out if venue is None or not venue.osc.out else venue.osc.out
     targets = wish.osc_out or tuple(parse_endpoint(each, "[osc] out") for each in named)

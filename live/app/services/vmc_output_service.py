@@ -1,4 +1,4 @@
-"""The part of a live show that sends its dancers to other programs as avatars, by the VMC protocol."""
+"""Service that sends dancers to other programs as avatars by the VMC protocol."""
 
 import re
 from typing import TYPE_CHECKING, Any, Final
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from live.app.launch_options import Wish
 
 LOOK_EVERY: Final = 1.0
-"""Seconds after which it is looked again whom words mean: groups change, dancers come and go."""
+"""Interval [s] at which selections of dancers are resolved again: groups change, dancers enter and leave."""
 
 
 def parse_avatars(text: str) -> Avatars:
-    """HOST:PORT, with `=WHO` and `@RATE` behind it where it is not the first dancer, 60 times a second."""
+    """Parse HOST:PORT[=WHO][@RATE]; the default is the first dancer, 60 times a second."""
     match = re.fullmatch(r"\s*([^=@\s]+)(?:=([^@]+))?(?:@(\d{1,3}(?:\.\d+)?))?\s*", text)
     rate = 60.0 if match is None else float(match[3] or 60.0)
     if match is None or not 1.0 <= rate <= 120.0:
@@ -34,7 +34,7 @@ def parse_avatars(text: str) -> Avatars:
 
 
 class VmcOutPart:
-    """Between the show and the process that sends. Thread: the one that runs the show."""
+    """Feeds the process that sends avatars. Thread: the show's."""
 
     def __init__(self, engine: Engine, wanted: tuple[Avatars, ...], clock: Clock) -> None:
         self._engine, self._wanted, self._clock = engine, wanted, clock
@@ -45,29 +45,29 @@ class VmcOutPart:
         self._helper = Helper("live.control.capture.vmc_output", clock, {"targets": targets}, lambda: None)
 
     def _look(self, wanted: Avatars) -> np.ndarray[Any, np.dtype[np.intp]]:
-        """Who is meant, and on the stage; PersonError for words that mean nobody there ever was."""
+        """Return the rows of the selected dancers on stage; raise PersonError for an invalid selection."""
         show: Show = self._engine.show
         with named("--vmc-out"):
             who = show.casting.select(wanted.who, show.state.position)
         return np.flatnonzero(who & show.motion.present)[:MOST_AVATARS]
 
     def start(self) -> None:
-        """Begin to send; PersonError for a host that nobody knows."""
+        """Start to send; raise PersonError for an unknown host."""
         for each in self._wanted:
             try:
                 VmcOut(each.host, each.port).close()
             except OSError as error:
                 where = f"{each.host}:{each.port}"
                 words = f"--vmc-out {where}: {error.strerror or error}"
-                raise PersonError(words, "name hosts by their numbers") from None
+                raise PersonError(words, "use IP addresses") from None
         self._helper.start()
 
     def stop(self) -> None:
-        """Send nothing any more."""
+        """Stop sending."""
         self._helper.stop()
 
     def frame(self) -> None:
-        """After each frame: those who are due."""
+        """Send the dancers that are due, after each frame."""
         self._helper.frame()
         view, now = self._engine.view, self._clock.now()
         if now >= self._look_at:
@@ -75,7 +75,7 @@ class VmcOutPart:
             for index, each in enumerate(self._wanted):
                 try:
                     self._rows[index] = self._look(each)
-                except PersonError:  # an edit has taken away the name: nobody is meant any more
+                except PersonError:  # an edit has removed the name: send no dancer
                     self._rows[index] = self._rows[index][:0]
         if not view.filled:
             return
@@ -87,7 +87,7 @@ class VmcOutPart:
             self._helper.send((index, view.time, data))
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return the values for the status line."""
         to = {
             f"{each.host}:{each.port}": (rows + 1).tolist() for each, rows in zip(self._wanted, self._rows, strict=True)
         }
@@ -95,6 +95,6 @@ class VmcOutPart:
 
 
 def make_vmc_out(wish: "Wish", clock: Clock, engine: Engine) -> VmcOutPart | None:
-    """What `--vmc-out` asks for, to be started; None if nobody is to be sent anything."""
+    """Return the service for `--vmc-out`, not started; None if there is to be none."""
     wanted = tuple(parse_avatars(each) for each in wish.vmc_out)
     return VmcOutPart(engine, wanted, clock) if wanted else None

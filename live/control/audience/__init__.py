@@ -1,1 +1,1 @@
-"""The audience's phones: HTTP server, sessions, fair shares, votes. It may import what `control` may."""
+"""Audience phones: HTTP server, sessions, fair shares and votes. It may import what `control` may."""

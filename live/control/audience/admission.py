@@ -1,15 +1,16 @@
-"""Admission: who may come in, when, and with what part of a voice: by what the hall's network is like.
+"""Admission of phones: whether and when a phone may join, and the weight of its voice.
 
-Phones are told apart by groups: those of one network card or address are one group.
+Phones are grouped by network card or address. The rules depend on the venue's network:
 
-- *own wifi*: each phone has an address of its own. A group has one voice, however many phones it says that it has.
-  Where the machine sees whose network card an address belongs to (`neighbours`), the card is the group: forty addresses
-  of one laptop are one. A group from which many join within a minute is a crowd, and has no voice until it rests.
-- *behind nat*: all share an address, and nothing in the network tells them apart. Each phone has a voice; how fast they
-  join is limited, and each code on the wall lets in so many.
+- *own wifi*: each phone has its own address. A group has one voice, divided among its phones. Where the machine sees
+  the network card of an address (`arp_table`), the card is the group: forty addresses of one laptop are one group. A
+  group in which many phones join within a minute is crowded, and has no voice until it has rested.
+- *behind nat*: all phones share an address, and nothing in the network tells them apart. Each phone has a voice. The
+  rate of joins is limited, and each displayed code admits a limited number.
 - *proxy*: as own wifi, by the addresses that the proxies forward.
 
-Phones that have joined in one group stay one wherever they go: a group mints no voices for other ones.
+Phones that joined in one group stay related in whatever group they are later, so a group cannot create voices for other
+groups.
 """
 
 import random
@@ -26,40 +27,40 @@ PROXY: Final = "proxy"
 NETWORKS: Final = (OWN_WIFI, BEHIND_NAT, PROXY)
 JOIN_RATE: Final = 20.0
 JOIN_BURST: Final = 40.0
-"""Behind nat: phones of one address that join a second, and at once; whoever is later waits for her turn."""
+"""Behind nat: joins per second of one address, and joins at once; later phones get a reserved time slot."""
 HORIZON: Final = 120.0
-"""Turns are reserved so far ahead [s]."""
+"""Slots are reserved at most this far ahead [s]."""
 DEVICES: Final = 4.0
-"""Own wifi: so many phones that join from a group are no crowd: another browser, a private window ..."""
+"""Own wifi: joins at once from a group that do not make it crowded (another browser, a private window …)."""
 RECOVERS: Final = 15.0
-"""... and one more after each so many seconds."""
+"""One more such join is allowed after each interval of this length [s]."""
 CROWDED: Final = 60.0
-"""Who is a crowd has no voice until so long [s] after nobody more than that has come."""
+"""A crowded group has no voice until this long [s] after its last excess join."""
 MOST_GROUPS: Final = 16_384
 EARLY: Final = 0.05
-"""Whoever comes so much before her turn [s] has come at it: clocks differ."""
+"""A phone may be this early [s] for its slot, because clocks differ."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What is said to somebody who wants to come in."""
+    """Answer to a request to join."""
 
     why: Why | None = None
-    """Why not; None: she may."""
+    """Reason of the refusal; None: the phone may join."""
     wait: float = 0.0
-    """When she may ask again [s from now]; 0: not with what she has."""
+    """Seconds until the next attempt; 0: never with these credentials."""
     voucher: str = ""
     ticket: int = 0
 
 
 class Admission:
-    """Thread: the gateway's loop."""
+    """Admission control. Thread: the gateway's loop."""
 
     def __init__(self, phones: Phones, tickets: Tickets, network: str, per_group: int, secret: bytes) -> None:
-        """`per_group`: phones of a group at a time, where phones have groups of their own."""
+        """`per_group`: maximum of simultaneous phones in a group, where phones have groups of their own."""
         self._phones, self._tickets = phones, tickets
         self.apart = network != BEHIND_NAT
-        """Whether each phone has a group of its own."""
+        """Whether each phone has its own group."""
         self._per_group = per_group if self.apart else phones.most
         self._all = Line(ALL_JOINS, ALL_JOINS)
         self._lines: dict[int, Line] = {}
@@ -67,10 +68,10 @@ class Admission:
         self._crowded: dict[int, float] = {}
         self._chance = random.Random(secret)
 
-    # -- who is one with whom --------------------------------------------------------------------------------------
+    # -- groups ----------------------------------------------------------------------------------------------------
 
     def part(self, phone: Phone, now: float) -> float:
-        """Which part of a voice a phone has."""
+        """Return the phone's fraction of a voice."""
         if not self.apart:
             return 1.0
         if self._is_crowded(phone.group, now) or self._is_crowded(phone.origin, now):
@@ -79,11 +80,11 @@ class Admission:
 
     @property
     def crowded(self) -> int:
-        """How many groups are a crowd."""
+        """Number of crowded groups."""
         return len(self._crowded)
 
     def calmed(self, now: float) -> list[int]:
-        """The groups that have rested since the last call, and are no crowd any more."""
+        """Return the groups that stopped being crowded since the last call."""
         found = [group for group, until in self._crowded.items() if now > until]
         for group in found:
             del self._crowded[group]
@@ -93,7 +94,7 @@ class Admission:
         return now <= self._crowded.get(group, -1.0)
 
     def _is_one_too_many(self, group: int, now: float) -> bool:
-        """Whether a phone that joins makes its group a crowd."""
+        """Whether a further join makes the group crowded."""
         if not self.apart:
             return False
         bucket = self._joins.get(group)
@@ -108,10 +109,10 @@ class Admission:
             self._crowded[group] = now + CROWDED
         return True
 
-    # -- who may come in -------------------------------------------------------------------------------------------
+    # -- joining ---------------------------------------------------------------------------------------------------
 
     def known(self, group: int, now: float) -> Answer:
-        """Somebody who has joined before, and is not connected."""
+        """Answer a phone that has joined before and is not connected."""
         if self._phones.is_full(now, fresh=False):
             return self._later(Why.FULL, 2.0, 6.0)
         if len(self._phones.of(group)) >= self._per_group:
@@ -123,7 +124,7 @@ class Admission:
         return Answer()
 
     def fresh(self, key: str, voucher: str, group: int, now: float) -> Answer:
-        """Somebody who comes by a code's `key`, or by the `voucher` that she was given before."""
+        """Answer a new phone, which has a code's `key` or an earlier `voucher`."""
         held = self._tickets.redeemable(voucher, now) if voucher else None
         ticket = held.ticket if held is not None else self._tickets.of(key, now) if key else -1
         if ticket < 0:
@@ -154,7 +155,7 @@ class Admission:
         return Answer(ticket=ticket)
 
     def _reserved(self, group: int, now: float) -> float:
-        """How long somebody has to wait for her turn [s], which is hers then; beyond `HORIZON` it is not."""
+        """Reserve a slot and return the wait for it [s]; beyond `HORIZON` nothing is reserved."""
         lines = [self._all]
         if not self.apart:
             if group not in self._lines:
@@ -169,5 +170,5 @@ class Admission:
         return wait
 
     def _later(self, why: Why, low: float, high: float, voucher: str = "") -> Answer:
-        """Not now; again after `low` to `high` seconds, so that not all come at once."""
+        """Refuse for now, with a random delay of `low` to `high` seconds so that phones do not return all at once."""
         return Answer(why, self._chance.uniform(low, high), voucher)

@@ -1,6 +1,6 @@
-"""Together: what all voices want, as what the show is told: once a tick at most, and only what has changed.
+"""Aggregate of all voices, sent to the show at most once per tick and only when it changed.
 
-Lights: which few of many voices are seen on the projector, in turn, so that everybody sees her own at some time.
+It also rotates highlights: a few voices at a time are visible on the projector, and each voice gets a turn.
 """
 
 from collections import deque
@@ -14,11 +14,11 @@ from live.control.audience.participant_state import PLACES, Force, Voices
 from live.control.audience.phone_registry import Phone, hue_of
 
 STAYS: Final = 8.0
-"""A voice is seen for so long [s] while others wait."""
+"""A highlight lasts this long [s] while others wait."""
 
 
 class Lights:
-    """Rows of voices that are seen. Thread: one."""
+    """Round robin of highlighted rows. Thread: one."""
 
     def __init__(self, most: int) -> None:
         self.most = most
@@ -27,16 +27,16 @@ class Lights:
 
     @property
     def seen(self) -> list[int]:
-        """Rows that are seen, longest first."""
+        """Highlighted rows, longest first."""
         return list(self._since)
 
     def keep(self, speaks: Callable[[int], bool]) -> None:
-        """Who does not speak any more is not seen."""
+        """Remove highlights of rows that no longer speak."""
         for row in [row for row in self._since if not speaks(row)]:
             del self._since[row]
 
     def choose(self, speaking: list[int], now: float) -> None:
-        """Who speaks at `now` [s]: those seen go on being seen for a while, the others wait for a place."""
+        """Update the highlights from the rows that speak at `now` [s]; rows beyond the limit wait for a place."""
         there = set(speaking)
         self._since = {row: since for row, since in self._since.items() if row in there}
         self._waiting = deque(row for row in self._waiting if row in there)
@@ -52,20 +52,20 @@ class Lights:
 
 
 AGAIN: Final = 0.5
-"""What is as it was is said again after so long [s]: elements end by themselves."""
+"""Unchanged state is repeated at this interval [s], because the show's elements end by themselves."""
 LIGHTS_EVERY: Final = 0.1
-"""Lights are told so often [s]; in the picture they glide."""
+"""Interval of highlight updates [s]; the picture interpolates between them."""
 CHOICE_EVERY: Final = 0.25
 VOTES_EVERY: Final = 0.2
 COARSE: Final = 2
-"""Centimetres that a place must have moved."""
+"""Minimum movement of a place [cm]."""
 NONE: Final = "-"
 WAYS: Final = 16384
-"""Messages of which it is known how long they waited."""
+"""Number of messages whose waiting time is recorded."""
 
 
 class Together:
-    """Thread: one."""
+    """Aggregator of all voices. Thread: one."""
 
     def __init__(self, voices: Voices, visible: int) -> None:
         self._voices = voices
@@ -81,7 +81,7 @@ class Together:
         self._turned = -np.inf
 
     def turn(self, now: float, phones: int, is_open: bool, votes: Callable[[], str]) -> tuple[Any, ...] | None:
-        """What the show is to be told at `now` [s]: the fields of its event; None if nothing is new."""
+        """Return the fields of the event for the show at `now` [s]; None if nothing is new."""
         voices = self._voices
         weight = voices.weights(now) if is_open else np.zeros(len(voices.number))
         rows = np.flatnonzero(weight)
@@ -100,31 +100,31 @@ class Together:
         if now >= self._next_votes:
             self._next_votes = now + VOTES_EVERY
             tally = votes()
-        if self._said[1:2] != (self.order,):  # what the show was told with an older order it may not have heeded
+        if self._said[1:2] != (self.order,):  # the show may have ignored data of an older order
             self._known = {}
         lights, tally = self._news("lights", lights), self._news("votes", tally)
         said = (phones, self.order, round(50 * force.share) * 20, places, round(20 * force.shaken) * 50)
-        still = places == NONE and not force.shaken  # nothing acts that would end by itself
+        still = places == NONE and not force.shaken  # no element is active that would end by itself
         if said == self._said and (still or now < self._again) and not lights and not tally:
-            self._turned = now  # what has come says what the show knows
+            self._turned = now  # the messages received confirm the known state
             return None
         self._note(now, rows)
         self._said, self._again = said, now + AGAIN
         return ("heard", now, *said[:4], lights, tally, said[4])
 
     def _news(self, what: str, words: str) -> str:
-        """The words, unless the show knows them."""
+        """Return `words`, or an empty string if the show has them already."""
         if not words or self._known.get(what) == words:
             return ""
         self._known[what] = words
         return words
 
     def unsaid(self) -> None:
-        """The show could not be told: it will be, the next time."""
+        """Send everything again next time, because the show did not receive the last event."""
         self._said, self._known = (), {}
 
     def _slots(self, force: Force) -> str:
-        """Places as words; each keeps its slot from one time to the next, so that its element goes with it."""
+        """Return the places as text; each keeps its slot between calls, so that its element moves with it."""
         left, taken = dict(self._places), {}
         rows = [(round(p.x * 100), round(p.z * 100), round(p.weight * 50) * 20, p.mode) for p in force.places]
         waiting = []
@@ -146,7 +146,7 @@ class Together:
         return ",".join(" ".join(map(str, taken.get(slot, (0, 0, 0, 1)))) for slot in range(count)) or NONE
 
     def _seen(self) -> str:
-        """The lights as words, in steps of 5 cm."""
+        """Return the highlights as text, positions in steps of 5 cm."""
         voices, words = self._voices, []
         for row in self.lights.seen:
             number = int(voices.number[row])
@@ -155,7 +155,7 @@ class Together:
         return ",".join(words) or NONE
 
     def changed(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
-        """Whose light has come or gone since the last call."""
+        """Return the phones whose highlight has appeared or ended since the last call."""
         seen = dict.fromkeys(int(self._voices.number[row]) for row in self.lights.seen)
         if seen.keys() == self._shown.keys():
             return
@@ -166,7 +166,7 @@ class Together:
                 yield phone, number in seen
 
     def _note(self, now: float, rows: npt.NDArray[np.intp]) -> None:
-        """Note how long the messages have waited that have come since the show was told something last."""
+        """Record the waiting times of messages received since the show was last informed."""
         said = self._voices.said[rows]
         waited = now - said[said > self._turned]
         self._turned = now
@@ -176,7 +176,7 @@ class Together:
             self._way += len(part)
 
     def ways(self) -> list[float]:
-        """How long the last messages waited until the show was told, median and 99 of 100 [ms]."""
+        """Return the waiting time of recent messages until the show was informed: median and 99th percentile [ms]."""
         known = self._ways[: min(self._way, WAYS)]
         return (
             [round(1000.0 * float(value), 2) for value in np.percentile(known, (50, 99))] if len(known) else [0.0] * 2

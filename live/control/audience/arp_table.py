@@ -1,8 +1,8 @@
-"""Neighbours: which network card (link-layer address) an address of the hall's own network belongs to.
+"""Reader for the kernel's neighbour table: the network card (link-layer address) of a local IP address.
 
-Who asks for forty addresses by DHCP has one radio all the same. The kernel's table is read over netlink (RFC 3549,
-rtnetlink(7)): one dump for IPv4 and IPv6. Where there is no such table (not Linux, a network behind a router, this very
-machine), nothing is known. Cards are kept as keyed hashes, in memory alone.
+A device that requests forty addresses by DHCP still has one radio. The table is read over netlink (RFC 3549,
+rtnetlink(7)) with one dump for IPv4 and IPv6. No card is found where there is no such table: other systems than Linux,
+networks behind a router, this machine itself. Cards are kept as keyed hashes, in memory only.
 """
 
 import asyncio
@@ -26,22 +26,22 @@ _DUMP: Final = 0x301
 _NDA_DST: Final = 1
 _NDA_LLADDR: Final = 2
 _FAILED: Final = 0x20 | 0x01
-"""NUD_FAILED, NUD_INCOMPLETE: nobody answered."""
+"""NUD_FAILED, NUD_INCOMPLETE: the address did not answer."""
 _MESSAGE: Final = struct.Struct("=IHHII")
 _NEIGHBOUR: Final = struct.Struct("=BxHiHBB")
 _ATTRIBUTE: Final = struct.Struct("=HH")
 MOST: Final = 65_536
-"""Entries that are read."""
+"""Maximum entries read."""
 WITHIN: Final = 0.2
-"""The kernel answers so soon [s], or is not asked again."""
+"""Time-out for the kernel's answer [s]."""
 SHARE: Final = 10.0
-"""It is read so rarely that reading takes no more than one part of so many of the time ..."""
+"""Reading takes at most one part in this many of the time."""
 STALE: Final = 2.0
-"""... and a table that is older [s] is read again."""
+"""A table older than this [s] is read again."""
 
 
 def neighbours_of(data: bytes) -> Iterator[tuple[Address, bytes] | None]:
-    """(address, link-layer address) of each entry of a dump; None once it is at its end. Broken messages end it."""
+    """Return (address, link-layer address) of each entry of a dump, then None at its end; a broken message ends it."""
     begin = 0
     while begin + _MESSAGE.size <= len(data):
         size, kind, *_ = _MESSAGE.unpack_from(data, begin)
@@ -77,7 +77,7 @@ def _neighbour(body: bytes) -> tuple[Address, bytes] | None:
 
 
 class Neighbours:
-    """The table of the moment. Thread: the gateway's loop."""
+    """Cached copy of the neighbour table. Thread: the gateway's loop."""
 
     def __init__(self, secret: bytes) -> None:
         self._secret = secret
@@ -87,9 +87,9 @@ class Neighbours:
         self._there = hasattr(socket, "AF_NETLINK")
 
     async def card_of(self, address: Address) -> str:
-        """A name for the network card that has an address; empty if that is not known.
+        """Return an identifier of the network card with this address; empty if it is unknown.
 
-        Who has just sent something stands in the kernel's table; so who is not in ours is looked for again.
+        The kernel's table contains every recent sender, so a missing address causes another read.
         """
         if address.is_loopback or not self._there:
             return ""
@@ -97,7 +97,7 @@ class Neighbours:
             wait = self._read_at + self._rest - time.monotonic()
             if wait > 0.0:
                 await asyncio.sleep(wait)
-            if time.monotonic() >= self._read_at + self._rest:  # else somebody who waited, too, has read it
+            if time.monotonic() >= self._read_at + self._rest:  # otherwise another waiting task has read it
                 self._read()
         card = self._cards.get(address, b"")
         return "card " + hmac.new(self._secret, b"card " + card, hashlib.sha256).hexdigest()[:16] if card else ""
@@ -111,14 +111,14 @@ class Neighbours:
         except TimeoutError:
             pass
         except OSError:
-            self._there = False  # a system that has no such table is not asked again
+            self._there = False  # a system without such a table is not asked again
         self._cards = found
         self._read_at = time.monotonic()
         self._rest = SHARE * (self._read_at - began)
 
 
 def _dump() -> Iterator[tuple[Address, bytes]]:
-    """The kernel's table; OSError if there is none."""
+    """Return the kernel's table; OSError if there is none."""
     with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0) as asking:  # 0: NETLINK_ROUTE
         asking.settimeout(WITHIN)
         body = _NEIGHBOUR.pack(0, 0, 0, 0, 0, 0)

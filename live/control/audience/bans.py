@@ -1,10 +1,10 @@
-"""Bans: who is not heard, however she comes back.
+"""Bans of phones, including attempts to return as a new phone.
 
-The operator bans a phone by its number. Its token stays banned wherever it goes. What else is held by the ban is who is
-the same device as far as the network tells: where phones have groups of their own (see `admission`), its group and the
-one that it joined in; behind nat, whoever joins anew from its address by a code that was on the wall before the ban,
-or, for some minutes, with the same browser and languages. Groups and browsers are keyed hashes, kept in memory alone.
-Those who are held are told nothing, as the banned one is.
+The operator bans a phone by its number; its token stays banned. A ban also covers phones that are the same device as
+far as the network shows. Where phones have groups of their own (see `admission`), these are the phones in its group and
+in the group in which it joined. Behind nat, these are phones that join again from its address with a code displayed
+before the ban or, for some minutes, with the same browser and languages. Groups and browsers are keyed hashes, kept in
+memory only. Banned phones are not notified.
 """
 
 from collections.abc import Iterable
@@ -14,17 +14,17 @@ from typing import Any, Final
 from live.control.audience.phone_registry import Device
 
 BROWSER_HOLDS: Final = 600.0
-"""Behind nat, who joins anew with the banned one's browser is held for so long [s] after the ban."""
+"""Behind nat, a ban covers new phones with the same browser for this long [s]."""
 MOST_KNOWN: Final = 16_384
 MOST_HELD: Final = 64
-"""Phones that one ban holds beside its own, by number; the last ones."""
+"""Maximum of other phones covered by one ban, by number; the latest are kept."""
 MOST_TOLD: Final = 128
-"""Bans that the show remembers for the next gateway, the last ones."""
+"""Maximum of bans that the show keeps for the next gateway; the latest are kept."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """What is known of a phone that has joined."""
+    """Known data of a phone that has joined."""
 
     device: Device
     group: int
@@ -33,23 +33,23 @@ class Trace:
 
 @dataclass(slots=True)
 class Ban:
-    """One ban."""
+    """One ban, with the phones it covers."""
 
     groups: set[int] = field(default_factory=set)
     browser: int = 0
     ticket: int = -1
-    """The newest ticket that was on the wall when it began."""
+    """The newest ticket displayed when the ban began."""
     until: float = 0.0
-    """How long its browser is held [s of the show]."""
+    """End of the ban on its browser [s of the show]."""
     held: dict[int, None] = field(default_factory=dict)
-    """Numbers of the other phones that it holds."""
+    """Numbers of the other phones covered."""
 
 
 class Bans:
-    """Thread: the gateway's loop."""
+    """All bans. Thread: the gateway's loop."""
 
     def __init__(self, *, apart: bool, told: Iterable[Any] = ()) -> None:
-        """`apart`: whether phones have groups of their own; `told`: what `tell` of the gateway before said."""
+        """`apart`: whether phones have groups of their own; `told`: the result of `tell` of the previous gateway."""
         self._apart = apart
         self._known: dict[int, Trace] = {}
         self._bans: dict[int, Ban] = {}
@@ -57,7 +57,7 @@ class Bans:
                         for number, groups, browser, ticket, until, held in told}  # fmt: skip
 
     def rule(self, numbers: Iterable[int], ticket: int, now: float) -> bool:
-        """These numbers are banned from now on; whether they are others than before. `ticket`: the newest."""
+        """Replace the banned numbers; return whether they changed. `ticket`: the newest."""
         wanted = dict.fromkeys(numbers)
         if wanted.keys() == self._bans.keys():
             return False
@@ -77,7 +77,7 @@ class Bans:
         ban.browser = ban.browser or trace.browser
 
     def enters(self, device: Device, group: int, browser: int, now: float, *, fresh: bool) -> bool:
-        """Somebody comes in; whether a ban holds her. `fresh`: she has just joined."""
+        """Record a phone that joins; return whether a ban covers it. `fresh`: it has just joined."""
         trace = Trace(device, group, browser)
         self._known.pop(device.number, None)
         self._known[device.number] = trace
@@ -106,8 +106,10 @@ class Bans:
             del ban.held[next(iter(ban.held))]
 
     def spread(self, there: Iterable[tuple[int, int, int]]) -> None:
-        """Where phones have groups of their own, a ban holds those of its group that are there: (number, group,
-        origin)."""
+        """Extend bans to connected phones (number, group, origin) of the banned groups.
+
+        This applies only where phones have groups of their own.
+        """
         if not self._apart:
             return
         for number, group, origin in there:
@@ -116,14 +118,14 @@ class Bans:
                     self._hold(ban, Trace(Device(number, 0, origin), group, 0))
 
     def numbers(self) -> set[int]:
-        """Everybody who is not heard."""
+        """Return the numbers of all banned and covered phones."""
         return {*self._bans, *(number for ban in self._bans.values() for number in ban.held)}
 
     def held(self) -> dict[str, list[int]]:
-        """For the operator: by banned number, who else is held by it."""
+        """Return the phones covered by each ban, by banned number, for the operator."""
         return {str(number): list(ban.held)[-8:] for number, ban in list(self._bans.items())[-16:] if ban.held}
 
     def tell(self) -> list[Any]:
-        """What another gateway has to know of the bans: rows of plain values."""
+        """Return the bans as rows of plain values, for the next gateway."""
         return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.held)[-16:]]
                 for number, ban in list(self._bans.items())[-MOST_TOLD:]]  # fmt: skip

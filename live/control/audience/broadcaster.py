@@ -1,4 +1,4 @@
-"""Teller: tells phones the rules of the moment and where the beat is; one text for all, made once, some at a time."""
+"""Broadcast of the current rules and the beat to all phones. Each text is built once and sent in batches."""
 
 import asyncio
 import contextlib
@@ -10,20 +10,20 @@ from live.control.audience.rate_limit import Why
 from live.control.audience.session_state import Beat, Hall, Rules
 
 BEHIND: Final = 1 << 14
-"""Bytes that a phone may not have taken yet: one that is further behind is cut off, and comes again."""
+"""Maximum unsent bytes of a phone; one that is further behind is disconnected and reconnects."""
 SLICE: Final = 50
-"""Phones that are told something at once; then those are heard who speak."""
+"""Phones in a batch; incoming messages are handled between batches."""
 PAUSE: Final = 0.002
 EVERY: Final = 4.0
-"""The clock is told so often [s] at least."""
+"""Maximum interval between clock messages [s]."""
 TOUCHES_EVERY: Final = 0.1
-"""A phone says where its finger is so often [s], less often the more there are: so many messages a second in all."""
+"""Interval of a phone's touch messages [s]; it grows with the number of phones, to limit the total message rate."""
 MOST_MESSAGES: Final = 20_000.0
 SOONEST: Final = 0.1
 
 
 class Teller:
-    """Thread: the gateway's loop."""
+    """Broadcaster to all phones. Thread: the gateway's loop."""
 
     def __init__(self, hall: Hall) -> None:
         self._hall = hall
@@ -33,23 +33,23 @@ class Teller:
         self._turned: list[tuple[Phone, bool]] = []
 
     def take(self, rules: Rules) -> None:
-        """The rules may be others."""
+        """Schedule a broadcast if the rules changed."""
         state = told_of(rules)
         if state != self._state:
             self._state = state
             self._news.set()
 
     def look(self, beat: Beat) -> None:
-        """The beat may be elsewhere than phones believe."""
+        """Schedule a broadcast if the beat differs from the one sent."""
         if self._told.slipped(beat, self._hall.now()):
             self._news.set()
 
     def present(self) -> list[str]:
-        """What a phone is told that has just come."""
+        """Return the messages for a phone that has just joined."""
         return [self._state, self._clock()] if self._state else []
 
     def every(self) -> int:
-        """How often a phone says where its finger is [ms], in steps of 20."""
+        """Return the interval of touch messages [ms], in steps of 20."""
         return 20 * round(50.0 * max(TOUCHES_EVERY, len(self._hall.phones) / MOST_MESSAGES))
 
     def _clock(self) -> str:
@@ -58,7 +58,7 @@ class Teller:
         return json.dumps({"c": row})
 
     async def run(self) -> None:
-        """Tell all phones what has changed, for ever."""
+        """Send all changes to all phones, forever."""
         state, every = "", self.every()
         while True:
             with contextlib.suppress(TimeoutError):
@@ -80,13 +80,13 @@ class Teller:
             await asyncio.sleep(SOONEST)
 
     def look_at_lights(self) -> None:
-        """Lights may have come or gone."""
+        """Check for highlights that appeared or ended."""
         self._turned += list(self._hall.together.changed(self._hall.phones.by_number))
         if self._turned:
             self._lights.set()
 
     async def lights(self) -> None:
-        """Tell those whose light has come or gone, for ever."""
+        """Inform phones whose highlight appeared or ended, forever."""
         while True:
             await self._lights.wait()
             self._lights.clear()
@@ -96,7 +96,7 @@ class Teller:
                 await self.say(phone, '{"l":1}' if lit else '{"l":0}')
 
     async def say(self, phone: Phone, words: str) -> None:
-        """Tell one phone something, without waiting for it."""
+        """Send a message to one phone without waiting for it."""
         transport = phone.transport
         if transport is None or transport.is_closing():
             return
@@ -109,7 +109,7 @@ class Teller:
 
 
 def told_of(rules: Rules) -> str:
-    """The rules as JSON. Names come from the patch and the operator; pages show them as text, never as markup."""
+    """Return the rules as JSON. Pages show the names of patch and operator as text, never as markup."""
     said = {
         "open": rules.open, "muted": rules.muted, "shake": rules.shake, "regions": rules.regions, "turn": rules.turn,
         "vote": rules.vote, "won": rules.won,

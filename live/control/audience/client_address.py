@@ -1,8 +1,8 @@
-"""Addresses: which network address a phone has, behind proxies too, and which addresses are one group.
+"""Client addresses of phones, also behind proxies, and the grouping of addresses.
 
-Forwarded addresses (X-Forwarded-For, and Forwarded of RFC 7239) are read only where a proxy that the venue names sent
-the request. Each proxy adds the address that it saw at the right end; so the phone's is the rightmost that is no named
-proxy's, and whatever a phone wrote there itself stands left of it.
+Forwarded addresses (X-Forwarded-For, and Forwarded of RFC 7239) are read only from requests of proxies that the venue
+configured. Each proxy appends the address that it saw. The phone's address is therefore the rightmost one that belongs
+to no configured proxy; anything that a phone wrote itself is left of it.
 """
 
 import ipaddress
@@ -14,20 +14,20 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 MOST_HOPS: Final = 32
-"""Entries that are read, from the right."""
+"""Maximum entries read, from the right."""
 LONGEST: Final = 4096
-"""Characters of a header that are read, from the right."""
+"""Maximum characters of a header read, from the right."""
 PREFIX: Final = 64
-"""Bits of an IPv6 address that name a subscriber's network; the others a device chooses, as often as it likes."""
+"""Bits of an IPv6 address that identify a subscriber's network; a device chooses the others freely."""
 _ELEMENT: Final = re.compile(r'(?:[^,"]|"(?:[^"\\]|\\.)*"|")+')
 _FOR: Final = re.compile(r'(?:^|;)\s*for\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^;"\s]+))\s*(?=;|$)', re.IGNORECASE)
 _WITH_PORT: Final = re.compile(r"\[([^\]]+)\](?::\d{1,5})?|([\d.]+):\d{1,5}")
 
 
 def address_of(text: str) -> Address | None:
-    """An address as peers and headers write it, with or without a port or a zone; None for what is none.
+    """Parse an address of a peer or header, with or without a port or a zone; None if it is no address.
 
-    An IPv4 address in IPv6 (`::ffff:192.0.2.1`) is that IPv4 address.
+    An IPv4 address mapped into IPv6 (`::ffff:192.0.2.1`) is returned as IPv4.
     """
     text = text.strip()
     match = _WITH_PORT.fullmatch(text)
@@ -42,7 +42,7 @@ def address_of(text: str) -> Address | None:
 
 
 def group_of(address: Address | None) -> str:
-    """Addresses of one group are as one: an IPv4 address is its own, IPv6 addresses of one /64 are one."""
+    """Return the group of an address: an IPv4 address is its own group, and IPv6 addresses of one /64 are one group."""
     if address is None:
         return ""
     if isinstance(address, ipaddress.IPv4Address):
@@ -51,23 +51,23 @@ def group_of(address: Address | None) -> str:
 
 
 class Proxies:
-    """The proxies that a venue names, and what their requests say of whom they come from."""
+    """The venue's proxies, and the sender address in their requests."""
 
     def __init__(self, networks: Sequence[str] = ()) -> None:
         """`networks`: addresses, or networks like `10.0.0.0/24`."""
         self._networks: tuple[Network, ...] = tuple(ipaddress.ip_network(each, strict=False) for each in networks)
 
     def names(self, address: Address | None) -> bool:
-        """Whether an address is a proxy's."""
+        """Whether an address belongs to a proxy."""
         return address is not None and any(
             address in network for network in self._networks if network.version == address.version
         )
 
     def sender(self, peer: str, forwarded_for: Sequence[str], forwarded: Sequence[str]) -> Address | None:
-        """Who sent a request: `peer`, or whom its proxies name in their headers' values.
+        """Return the sender of a request: `peer`, or the address in its proxies' header values.
 
-        The proxy's own address where its headers say nothing that can be read, or where the two headers differ: then
-        one of them is the phone's own invention, and nobody knows which.
+        If the headers cannot be read, or the two headers differ, the proxy's own address is returned: one of them is
+        then forged, and it is unknown which.
         """
         address = address_of(peer)
         if not self.names(address):
@@ -77,7 +77,7 @@ class Proxies:
         return next(iter(found)) or address if len(found) == 1 else address
 
     def _rightmost(self, chain: Sequence[Address | None]) -> Address | None:
-        """The rightmost that is no proxy's; the leftmost of nothing but proxies; None for what cannot be read."""
+        """Return the rightmost address that is no proxy's; the leftmost if all are; None for an unreadable one."""
         for hop in reversed(chain):
             if not self.names(hop):
                 return hop
@@ -85,12 +85,12 @@ class Proxies:
 
 
 def _plain_hops(text: str) -> list[str]:
-    """The entries of X-Forwarded-For."""
+    """Return the entries of X-Forwarded-For."""
     return text.split(",")
 
 
 def _rfc_hops(text: str) -> list[str]:
-    """What `for=` says in each element of Forwarded; empty where it says nothing."""
+    """Return the `for=` value of each element of Forwarded; empty where there is none."""
     found = []
     for element in _ELEMENT.findall(text):
         match = _FOR.search(element)
@@ -100,7 +100,7 @@ def _rfc_hops(text: str) -> list[str]:
 
 
 def _hops(values: Sequence[str], entries: Callable[[str], list[str]]) -> list[Address | None]:
-    """The last addresses of a header, which may come several times, from left to right; None for what is none."""
+    """Return the last addresses of a header that may be repeated, from left to right; None for invalid ones."""
     text = ",".join(values)
     if not text.strip():
         return []

@@ -1,7 +1,7 @@
-"""The gateway: the process that the audience's phones talk to, and that tells the show what they want together.
+"""Gateway process: serves the audience's phones and sends their aggregated input to the show.
 
-It knows no file of a show, keeps nothing of a person, writes nothing down. Phones have no words of their own: see
-`wire`. The socket that it listens at is the show's: while it is started again, who wants to join waits in it.
+It reads no files of a show, stores no personal data and writes nothing to disk. Phones cannot send free text: see
+`phone_protocol`. The listening socket belongs to the show, so phones that join during a restart wait in its backlog.
 """
 
 import asyncio
@@ -28,18 +28,18 @@ from live.control.web.task_guard import guarded, keep_task
 
 SAY_EVERY: Final = 0.5
 RULES_WITHIN: Final = 1.0
-"""The show says soon [s] what is allowed; then the doors open."""
+"""Time to wait for the show's rules [s] before phones are accepted."""
 TIDY_EVERY: Final = 60.0
 TURNS: Final = 1024
-"""Turns of which it is known how late they were: 16 s."""
+"""Number of ticks whose lateness is recorded: 16 s."""
 FILES: Final = 1024
-"""Descriptors beside one for each phone."""
+"""Additional file descriptors besides one per phone."""
 PARTS_WITHIN: Final = 2.0
-"""An encrypted connection says good-bye so soon [s], or is cut."""
+"""Time-out of the TLS shutdown [s]."""
 
 
 class Gateway:
-    """Everything of one show. Thread: the loop's."""
+    """Gateway of one show. Thread: the loop's."""
 
     def __init__(self, told: Told, plan: dict[str, Any]) -> None:
         self._told, self._secret, self._link = told, bytes(plan["secret"]), str(plan["link"])
@@ -55,13 +55,13 @@ class Gateway:
         self._tidied = self.hall.now()
 
     def hear(self) -> None:
-        """What has come from the show."""
+        """Handle packets from the show."""
         for packet in self._told.packets():
             if isinstance(packet, Rules):
                 self.hall.rule(packet)
                 self._teller.take(packet)
                 self._ruled.set()
-                self.gather()  # what the operator says counts at once, not a tick later
+                self.gather()  # the operator's change applies at once, not a tick later
             elif isinstance(packet, Beat):
                 self.hall.beat = packet
                 self._teller.look(packet)
@@ -70,9 +70,9 @@ class Gateway:
             self._ruled.set()
 
     def gather(self) -> None:
-        """Tell the show what all want together: once a tick, and at once after a word of the operator.
+        """Send the aggregate to the show: once per tick, and at once after a command of the operator.
 
-        Whoever hears a message when it is due calls this, too: while many come, no timer is punctual.
+        A message that is handled when a tick is due also calls this, because timers are late under load.
         """
         now = self.hall.now()
         self._late[self._turn % TURNS] = max(now - self.hall.due, 0.0)
@@ -84,13 +84,13 @@ class Gateway:
         self._teller.look_at_lights()
 
     def _clock(self) -> None:
-        """A timer that gathers when nobody else does."""
+        """Gather by timer when no message does."""
         if self.hall.now() >= self.hall.due:
             guarded("gathering voices", self.gather)()
         asyncio.get_running_loop().call_later(max(self.hall.due - self.hall.now(), 0.001), self._clock)
 
     def _send(self, packet: tuple[Any, ...]) -> bool:
-        """Tell the show something; whether it could be: it may stand still, or have gone."""
+        """Send a packet to the show; return whether that was possible. The show may be blocked or gone."""
         try:
             self._told.socket.send(packet_of(packet))
         except OSError:
@@ -98,7 +98,7 @@ class Gateway:
         return True
 
     async def say(self, runner: web.AppRunner) -> None:
-        """Tell how things are, for the status; and the code, whenever it is another one."""
+        """Send the status periodically, and the join code whenever it changes."""
         key = ""
         while True:
             self.hall.sweep()
@@ -112,26 +112,27 @@ class Gateway:
             await asyncio.sleep(SAY_EVERY)
 
     def _tidy(self) -> None:
-        """Free what is held in circles: little and often, and all of it (some 50 ms with thousands) once a minute."""
+        """Collect garbage: often only the youngest generation, once a minute all (about 50 ms with thousands of
+        phones)."""
         now = self.hall.now()
         whole = now - self._tidied > TIDY_EVERY
         self._tidied = now if whole else self._tidied
         gc.collect(2 if whole else 0)
 
     def _lateness(self) -> list[float]:
-        """How late the last turns were, median and 99 of 100 [ms]: so long a message waits at most to be read."""
+        """Return the lateness of recent ticks, median and 99th percentile [ms]: the longest wait of a message."""
         known = self._late[: max(min(self._turn, TURNS), 1)]
         return [round(1e3 * float(value), 2) for value in np.percentile(known, (50, 99))]
 
     async def run(self, listening: socket.socket) -> None:
-        """Serve until the show has gone."""
+        """Serve until the show ends."""
         app = web.Application(client_max_size=1024)
         app.router.add_route("*", "/{path:.*}", self._door.answer)
         runner = web.AppRunner(app, access_log=None, handle_signals=False, keepalive_timeout=3.0)
         await runner.setup()
         asyncio.get_running_loop().add_reader(self._told.socket, self.hear)
         self.hear()
-        with contextlib.suppress(TimeoutError):  # whoever comes in is to find the rules of the show
+        with contextlib.suppress(TimeoutError):  # the first phones should get the show's rules
             await asyncio.wait_for(self._ruled.wait(), RULES_WITHIN)
         tls = None if self._certificate is None else server_context(*self._certificate)
         handler: Any = runner.server
@@ -155,7 +156,7 @@ class Gateway:
 
 
 def code_of(link: str) -> list[str]:
-    """The QR code of a link: rows of 0 and 1, without the white around it; empty where the library is missing."""
+    """Return the QR code of a link as rows of 0 and 1 without margin; empty if the library is missing."""
     try:
         import segno
     except ImportError:
@@ -171,7 +172,7 @@ def _more_files(wanted: int) -> None:
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop]:
-    """The faster loop, where there is one."""
+    """Return the faster event loop if it is installed."""
     try:
         import uvloop
     except ImportError:
@@ -185,8 +186,8 @@ async def _run(told: Told, listening: socket.socket) -> None:
 
 
 def main() -> None:
-    """Serve until the show has gone."""
-    logging.disable(logging.CRITICAL)  # a traceback may name somebody's address
+    """Serve until the show ends."""
+    logging.disable(logging.CRITICAL)  # a traceback may contain a phone's address
     told = Told(int(sys.argv[1]))
     _more_files(int(told.plan["most"]) + FILES)
     gc.collect()

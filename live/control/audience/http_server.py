@@ -1,6 +1,6 @@
-"""The door: pages for browsers, and the way of a phone from its connection until it has gone.
+"""HTTP handlers of the gateway: the phones' page, and each phone's WebSocket from connection to disconnection.
 
-The page that phones load: one file, made once in each language, with headers that let nothing else in.
+The page is one file, prepared once in each language. Its headers forbid all other content.
 """
 
 import asyncio
@@ -34,10 +34,10 @@ LANGUAGES: Final = ("en", "pt")
 
 
 class Pages:
-    """Thread: one."""
+    """The phones' page in all languages. Thread: one."""
 
     def __init__(self, link: str) -> None:
-        """`link`: the address that phones are given."""
+        """`link`: the address that phones open."""
         self.host = link.partition("://")[2].partition("/")[0].rpartition("@")[2]
         text = PAGE.read_text("utf-8")
         self._pages = {}
@@ -56,7 +56,7 @@ class Pages:
         }  # fmt: skip
 
     def answer(self, request: web.Request) -> web.Response:
-        """The page in the language that a browser prefers."""
+        """Return the page in the browser's preferred language."""
         plain, packed = self._pages[language_of(request.headers.get("Accept-Language", ""))]
         headers = self._headers
         if "gzip" in request.headers.get("Accept-Encoding", ""):
@@ -65,7 +65,7 @@ class Pages:
 
 
 def language_of(accepted: str) -> str:
-    """The language of the page for a header Accept-Language (RFC 9110, 12.5.4); English where it says none of ours."""
+    """Return the page language for an Accept-Language header (RFC 9110, 12.5.4); English if none matches."""
     best, found = 0.0, LANGUAGES[0]
     for index, part in enumerate(accepted[:400].split(",")[:20]):
         tag, _, rest = part.strip().partition(";")
@@ -82,20 +82,20 @@ def _hashed(text: str) -> str:
 
 
 HELLO_WITHIN: Final = 5.0
-"""Who has connected asks for a page, or says who it is, so soon [s]: first bytes, headers and all."""
+"""Time for a new connection to request a page or identify itself [s], including headers."""
 SPARE: Final = 16
-"""Connections of one address beside those of its phones."""
+"""Connections of one address in addition to those of its phones."""
 MOST_OF_ADDRESS: Final = 1024
-"""Connections of one address that have not said who they are, whatever the network; a named proxy may have any."""
+"""Maximum unidentified connections of one address on any network; configured proxies are not limited."""
 WAITING: Final = 512
-"""Connections of those who have not said yet who they are."""
+"""Maximum unidentified connections in total."""
 
 
 class Door:
-    """Thread: the gateway's loop."""
+    """Request handlers of the gateway. Thread: the gateway's loop."""
 
     def __init__(self, hall: Hall, teller: Teller, secret: bytes, plan: dict[str, Any]) -> None:
-        """`plan`: the link that phones are given, and what the network is like."""
+        """`plan`: the link that phones open, and the kind of network."""
         self._hall, self._teller, self._secret = hall, teller, secret
         self._pages = Pages(str(plan["link"]))
         self._proxies = Proxies(plan.get("proxies", ()))
@@ -108,7 +108,7 @@ class Door:
         self._greeting: Counter[int] = Counter()
 
     async def answer(self, request: web.Request) -> web.StreamResponse:
-        """A page, or a phone that wants to play."""
+        """Answer with a page, or accept a phone's WebSocket."""
         if not is_ours(request.headers.get("Host", ""), self._pages.host):
             return self._refuse(Why.HOST, 403)
         if request.path == "/ws" and request.headers.get("Upgrade", "").lower() == "websocket":
@@ -116,7 +116,7 @@ class Door:
         if request.path != "/" or request.method not in ("GET", "HEAD"):
             return self._refuse(Why.PATH, 404)
         page = self._pages.answer(request)
-        page.force_close()  # what comes next is a WebSocket, on a connection of its own
+        page.force_close()  # the WebSocket follows on a connection of its own
         return page
 
     def _refuse(self, why: Why, status: int) -> web.Response:
@@ -126,7 +126,7 @@ class Door:
         return response
 
     async def _group(self, request: web.Request) -> int:
-        """Who comes from there: the network card, if it is known, or the address, as a keyed hash."""
+        """Return the sender's group as a keyed hash: of the network card if it is known, else of the address."""
         headers = request.headers
         address = self._proxies.sender(
             request.remote or "", headers.getall("X-Forwarded-For", ()), headers.getall("Forwarded", ())
@@ -137,7 +137,7 @@ class Door:
         return group_number(self._secret, card or group_of(address))
 
     def _browser(self, request: web.Request) -> int:
-        """What a browser says of itself, as a keyed hash."""
+        """Return a keyed hash of the browser's identification."""
         words = "\n".join(request.headers.get(name, "")[:400] for name in ("User-Agent", "Accept-Language"))
         digest = hmac.new(self._secret, f"browser {words}".encode("utf-8", "replace"), hashlib.sha256).digest()
         return int.from_bytes(digest[:6], "big")
@@ -159,7 +159,7 @@ class Door:
             phone = await self._greeted(ws, request, group)
             if phone is not None:
                 await phone.gone
-        except (ConnectionError, RuntimeError):  # it has gone meanwhile
+        except (ConnectionError, RuntimeError):  # disconnected meanwhile
             pass
         finally:
             self._upgraded.discard(transport)
@@ -170,7 +170,7 @@ class Door:
         return ws
 
     async def _greeted(self, ws: web.WebSocketResponse, request: web.Request, group: int) -> Phone | None:
-        """Who it is, and welcome; None if it may not play, which it is told."""
+        """Identify and welcome a phone; None if it may not join, in which case it gets the reason."""
         hall = self._hall
         self._greeting[group] += 1
         try:
@@ -211,13 +211,13 @@ class Door:
         return None
 
     def _may_enter(self, hello: wire.Hello, known: Device | None, group: int) -> Answer:
-        """Whether somebody may come in, and when if not now."""
+        """Decide whether a phone may join, and when if not now."""
         hall = self._hall
         if known is not None:
             return Answer() if known.number in hall.phones.by_number else hall.admission.known(group, hall.now())
         answer = hall.admission.fresh(hello.key, hello.voucher, group, hall.now())
         if answer.why is Why.ADDRESS:
-            hall.share(group)  # it may be a crowd now
+            hall.share(group)  # the group may be crowded now
         return answer
 
     async def _welcome(self, phone: Phone, device: Device) -> None:
@@ -230,7 +230,7 @@ class Door:
             await phone.ws.send_str(words)
 
     def sweep(self, connections: Sequence[Any]) -> None:
-        """Close those of the `connections` that ask for nothing, or too slowly, or are too many of one address."""
+        """Close connections that request nothing, are too slow, or exceed their address's limit."""
         now, met, of_address = self._hall.now(), {}, Counter[str]()
         for each in connections:
             transport = each.transport

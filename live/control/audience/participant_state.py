@@ -1,8 +1,8 @@
-"""Voices: what each phone wants, and what all of them want together: a few places that many of them chose.
+"""State of each phone's voice, and the common places that many voices chose.
 
-One voice for each phone. It weighs what its region weighs, all of that while it is fresh, and half of it a second after
-its finger is lifted. Voices are gathered at the modes of their density (mean shift, Comaniciu and Meer 2002): who is
-alone somewhere is no place beside a crowd, however far away or loud, so that one person has no force among many.
+Each phone has one voice. Its weight is its region's weight; after the finger is lifted it halves every second. Voices
+are clustered at the modes of their density (mean shift, Comaniciu and Meer 2002). A single voice far from a crowd forms
+no place, so one person has no force among many.
 """
 
 from collections.abc import Sequence
@@ -17,28 +17,28 @@ from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOU
 Float64 = npt.NDArray[np.float64]
 
 FRESH: Final = 0.75
-"""A voice is fresh for so long [s] after its last message; fingers that rest say so three times a second."""
+"""A voice keeps its full weight this long [s] after its last message; resting fingers send three messages a second."""
 FADES: Final = 1.0
-"""Half-life [s] of a voice that is not."""
+"""Half-life [s] of a voice after that."""
 GONE: Final = 0.05
-"""A voice of which less than this is left is none."""
+"""A voice below this share of its weight is ignored."""
 BANDWIDTH: Final = 1.2
-"""Voices within this distance [m] of each other are one place."""
+"""Voices within this distance [m] of each other form one place."""
 CELL: Final = 0.4
-"""Cells [m] in which their density is looked for first."""
+"""Cell size [m] of the initial density estimate."""
 PLACES: Final = 4
 LEAST: Final = 0.3
-"""A place with a smaller part than this of the heaviest one's voices is none."""
+"""Places with less than this share of the heaviest place's weight are ignored."""
 FEW: Final = 4.0
 ENOUGH: Final = 0.05
-"""All of the force is there from this share of the phones on, and never with fewer than `FEW` of several."""
+"""The force is full from this share of the phones on, but needs at least `FEW` phones if there are several."""
 SHAKES: Final = 1.0
-"""A phone that was shaken counts for so long [s]."""
+"""A shake counts this long [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where voices gather: (x, z) [m], weight in parts of the heaviest place, mode."""
+    """A cluster of voices: (x, z) [m], weight relative to the heaviest place, mode."""
 
     x: float
     z: float
@@ -48,7 +48,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """What all want: how strongly, 0 to 1, where, and which share of those who play shakes."""
+    """Combined force: its strength, 0 to 1, its places, and the share of participants that shake."""
 
     share: float
     places: tuple[Place, ...]
@@ -56,38 +56,38 @@ class Force:
 
 
 class Voices:
-    """Voices in rows; each phone that is there has one. Thread: one."""
+    """Voices in rows, one per connected phone. Thread: one."""
 
     def __init__(self, most: int) -> None:
-        """`most`: so many phones at a time."""
+        """`most`: maximum number of simultaneous phones."""
         self.x: Float64 = np.zeros(most)
         self.z: Float64 = np.zeros(most)
         self.said: Float64 = np.full(most, -np.inf)
-        """When each spoke last [s]."""
+        """Time of each row's last message [s]."""
         self.shook: Float64 = np.full(most, -np.inf)
         self.mode = np.zeros(most, np.int8)
         self.held = np.zeros(most, np.bool_)
-        """Whether the finger is on the glass."""
+        """Whether the finger is on the screen."""
         self.region = np.zeros(most, np.int64)
         self.number = np.zeros(most, np.int64)
         """The phone's number; 0: the row is free."""
         self.heard = np.ones(most, np.bool_)
-        """False for a phone that is banned."""
+        """False for a banned phone."""
         self.part: Float64 = np.ones(most)
-        """Which part of a voice each has."""
+        """Fraction of a voice of each row."""
         self.said_now: dict[int, tuple[bytes, float]] = {}
-        """What rows have said since the last `take_up`, as it came, and when [s]: the last of each counts."""
+        """Latest raw message and its time [s] of each row since the last `take_up`."""
         self._free = list(range(most - 1, -1, -1))
         self._weights: Float64 = np.ones(1)
         self._half = (6.0, 4.0)
 
     @property
     def count(self) -> int:
-        """Phones that are there."""
+        """Number of connected phones."""
         return len(self.number) - len(self._free)
 
     def add(self, number: int, region: int, *, heard: bool) -> int:
-        """A phone has joined: its row; -1 if there is no room."""
+        """Add a phone; return its row, -1 if there is no room."""
         if not self._free:
             return -1
         row = self._free.pop()
@@ -97,20 +97,20 @@ class Voices:
         return row
 
     def remove(self, row: int) -> None:
-        """A phone has gone."""
+        """Free a row."""
         self.number[row] = 0
         self.mode[row] = 0
         self.said_now.pop(row, None)
         self._free.append(row)
 
     def rule(self, weights: Sequence[float], banned: Sequence[int], half: tuple[float, float]) -> None:
-        """What regions weigh, who is banned, and the stage's half sizes [m], from now on."""
+        """Set the regions' weights, the banned phones, and the stage's half sizes [m]."""
         self._weights = np.array(weights or [1.0], np.float64)
         self.heard = ~np.isin(self.number, np.array(banned, np.int64))
         self._half = half
 
     def take_up(self) -> None:
-        """Heed what rows have said: touches as in `wire`, which are well formed."""
+        """Apply the collected touch messages, which are well formed (see `phone_protocol`)."""
         if not self.said_now:
             return
         rows = np.fromiter(self.said_now, np.int64, len(self.said_now))
@@ -125,7 +125,7 @@ class Voices:
         self.z[rows] = (2.0 * said["z"] / FULL_SCALE - 1.0) * self._half[1]
 
     def touch(self, row: int, mode: int, x: float, z: float, now: float) -> None:
-        """A finger is at (x, z), shares of the stage from the left and from the back, 0 to 1; or has gone (mode 0)."""
+        """Set a touch at (x, z), as shares of the stage from the left and the back, 0 to 1; mode 0 lifts the finger."""
         if mode:
             self.mode[row] = mode
             self.x[row], self.z[row] = (2.0 * x - 1.0) * self._half[0], (2.0 * z - 1.0) * self._half[1]
@@ -133,7 +133,7 @@ class Voices:
         self.said[row] = now
 
     def weights(self, now: float) -> Float64:
-        """What each row's voice weighs now, (N,)."""
+        """Return the present weight of each row, (N,)."""
         region = np.minimum(self.region, len(self._weights) - 1)
         age = np.maximum(now - self.said - FRESH * self.held, 0.0)
         fresh = 0.5 ** (age / FADES)
@@ -142,17 +142,17 @@ class Voices:
         return weight
 
     def people(self) -> float:
-        """How many voices there are in all, whether they speak or not: those that have a part of one count so much."""
+        """Return the total number of voices, speaking or not; fractions of a voice are added."""
         return float(self.part[(self.number > 0) & self.heard].sum())
 
     def shaken(self, now: float) -> float:
-        """Which share of the voices is being shaken."""
+        """Return the share of voices that are being shaken."""
         people = self.people()
         shaken = (now - self.shook < SHAKES) & self.heard & (self.number > 0)
         return min(float(self.part[shaken].sum()) / people, 1.0) if people > 0.0 else 0.0
 
     def force(self, now: float, weight: Float64 | None = None) -> Force:
-        """What all of them want together; `weight`: what `weights` said."""
+        """Return the combined force; `weight`: the result of `weights`, if known."""
         count, shaken = self.people(), self.shaken(now)
         weight = self.weights(now) if weight is None else weight
         rows = np.flatnonzero(weight)
@@ -171,9 +171,9 @@ class Voices:
 
 
 def _places(x: Float64, z: Float64, weight: Float64, mode: int) -> list[Place]:
-    """The densest places of voices, heaviest first, with the weight around each.
+    """Return the densest places of voices, heaviest first, each with the weight around it.
 
-    Voices of one cell are one, in their middle: so thousands cost no more than the cells that a stage has.
+    The voices of a cell are merged at their mean, so the cost is bounded by the stage's cells even with thousands.
     """
     if not weight.any():
         return []
@@ -201,7 +201,7 @@ def _places(x: Float64, z: Float64, weight: Float64, mode: int) -> list[Place]:
 
 
 def _cells(x: Float64, z: Float64, weight: Float64) -> tuple[Float64, Float64, Float64, int]:
-    """The middle (x, z) of the voices in each cell [m] and their weight, in rows of `wide` cells with empty borders."""
+    """Return each cell's mean (x, z) [m] and weight, in rows of `wide` cells with empty borders."""
     column = ((x - x.min()) / CELL).astype(np.int64) + 1
     row = ((z - z.min()) / CELL).astype(np.int64) + 1
     wide, deep = int(column.max()) + 2, int(row.max()) + 2
@@ -212,7 +212,7 @@ def _cells(x: Float64, z: Float64, weight: Float64) -> tuple[Float64, Float64, F
 
 
 def _around(weight: Float64, wide: int) -> Float64:
-    """The weight of each cell and its eight neighbours."""
+    """Return the total weight of each cell and its eight neighbours."""
     cells = weight.reshape(-1, wide)
     around = cells.copy()
     around[1:-1] += cells[:-2] + cells[2:]

@@ -1,9 +1,9 @@
-"""What phones and gateway say to each other. Phones have six verbs, and no words of their own.
+"""Wire format between phones and gateway. Phones have six verbs and cannot send free text.
 
-The first message is text, JSON of at most 256 bytes: `{"k": key}` of a link, `{"t": token}`, `{"v": voucher}` of who
-was told to come again, with `"r"`: the region. Who cannot come in is told why, in how many seconds to ask again (0: not
-with that), and her voucher: `{"no": why, "in": seconds, "v": voucher}`.
-All others are bytes, little-endian, of one length for each verb: there is nothing to parse, and nothing to get wrong.
+The first message is JSON text of at most 256 bytes: `{"k": key}` from a link, `{"t": token}`, or `{"v": voucher}` of a
+phone that was asked to return, with `"r"`: the region. A refused phone gets the reason, the seconds until its next
+attempt (0: not with these credentials) and its voucher: `{"no": why, "in": seconds, "v": voucher}`. All other messages
+are little-endian bytes with a fixed length for each verb, so no parser is needed.
 """
 
 import json
@@ -20,21 +20,21 @@ VOTE: Final = 3
 REGION: Final = 4
 SHAKE: Final = 5
 LENGTHS: Final = {TOUCH: 6, PING: 9, VOTE: 3, REGION: 2, SHAKE: 2}
-"""Bytes of a message, the verb included."""
+"""Message length of each verb [bytes], including the verb."""
 UP: Final = 0
 ATTRACT: Final = 1
 REPEL: Final = 2
-"""Modes of a touch: the finger has gone; dancers shall come; dancers shall go."""
+"""Modes of a touch: finger lifted, attract dancers, repel dancers."""
 FULL_SCALE: Final = 65535.0
 
 TOUCHES: Final = np.dtype([("verb", "u1"), ("mode", "u1"), ("x", "<u2"), ("z", "<u2")])
-"""Touches in a row: x and z in parts of 65535 of the stage, from the left and from the back."""
+"""Array type of touches: x and z in 1/65535 of the stage, from the left and from the back."""
 _PONG: Final = struct.Struct("<B8sd")
 
 
 @dataclass(frozen=True, slots=True)
 class Hello:
-    """The first message."""
+    """Content of a phone's first message."""
 
     key: str = ""
     token: str = ""
@@ -43,7 +43,7 @@ class Hello:
 
 
 def hello_of(text: str) -> Hello | None:
-    """The first message; None for anything else."""
+    """Parse the first message; None for anything else."""
     if len(text) > LONGEST:
         return None
     try:
@@ -61,10 +61,10 @@ def hello_of(text: str) -> Hello | None:
 
 
 def is_well_formed(data: bytes) -> bool:
-    """Whether a message is a verb with what belongs to it, its modes in range."""
+    """Whether a message has a known verb, its length, and a mode in range."""
     return bool(data) and LENGTHS.get(data[0]) == len(data) and (data[0] != TOUCH or data[1] <= REPEL)
 
 
 def pong(data: bytes, now: float) -> bytes:
-    """The answer to a ping: what it said (the phone's own clock), and the show's time [s]."""
+    """Return the answer to a ping: its payload (the phone's clock) and the show's time [s]."""
     return _PONG.pack(PING, data[1:9], now)

@@ -1,11 +1,11 @@
-"""Why something that a phone sent was refused, and how much of it may come: counts by reason, and buckets."""
+"""Reasons for refusing phone messages, and rate limiters."""
 
 from enum import StrEnum
 from typing import Final
 
 
 class Why(StrEnum):
-    """The reasons: a fixed list, so that no sender can make the counts grow."""
+    """Reasons for refusal. The list is fixed, so that no sender can make the counters grow."""
 
     HOST = "phone: foreign host"
     ORIGIN = "phone: page of another site"
@@ -27,7 +27,7 @@ class Why(StrEnum):
 
 
 class Bucket:
-    """So many at once, and so many a second."""
+    """Token bucket with a burst size and a rate per second."""
 
     __slots__ = ("_at", "_burst", "_left", "_rate")
 
@@ -36,7 +36,7 @@ class Bucket:
         self._left, self._at = burst, 0.0
 
     def take(self, now: float) -> bool:
-        """Whether there is room for one more at `now` [s]."""
+        """Take a token if one is available at `now` [s]; return whether it was."""
         left = min(self._left + max(now - self._at, 0.0) * self._rate, self._burst)
         self._at = now
         if left < 1.0:
@@ -47,9 +47,9 @@ class Bucket:
 
 
 class Line:
-    """A line of those who wait: so many come in at once, and so many a second; whoever waits has her turn reserved.
+    """Waiting line with reserved slots: a burst at once, then a rate per second.
 
-    A virtual scheduling queue (GCRA, ITU-T I.371), so that it holds two numbers however many wait.
+    A virtual scheduling queue (GCRA, ITU-T I.371): it stores two numbers for any length.
     """
 
     __slots__ = ("_next", "_rate", "_tolerance")
@@ -59,20 +59,20 @@ class Line:
         self._next = -1e9
 
     def wait(self, now: float) -> float:
-        """How long one more has to wait [s]."""
+        """Return the wait for the next slot [s]."""
         return max(self._next - self._tolerance - now, 0.0)
 
     def reserve(self, now: float) -> None:
-        """One more has its turn."""
+        """Reserve the next slot."""
         self._next = max(self._next, now) + 1.0 / self._rate
 
 
 RATE: Final = 15.0
 BURST: Final = 30.0
-"""Messages of one phone a second, and at once."""
+"""Messages per second of one phone, and at once."""
 ALL_RATE: Final = 30_000.0
-"""Messages of all together a second."""
+"""Messages per second of all phones together."""
 ALL_BURST: Final = 6000.0
-"""And at once."""
+"""Messages at once of all phones together."""
 ALL_JOINS: Final = 400.0
-"""Joins of all together a second."""
+"""Joins per second of all phones together."""

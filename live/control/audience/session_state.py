@@ -1,7 +1,4 @@
-"""Hall: everybody who plays, what they said last, and what the show lets them: what all parts of the gateway share.
-
-Rules: what the show tells its gateway: what is allowed, whose turn it is, what is voted for, where the beat is.
-"""
+"""State of the gateway: connected phones, their latest input, and the rules and beat received from the show."""
 
 import time
 from collections import Counter
@@ -20,15 +17,15 @@ from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, W
 from live.control.message_codec import registered
 
 SLIPS: Final = 0.010
-"""Phones are told the clock anew when the beat would be so far [s] from where they believe it ..."""
+"""Phones get a new clock message when their beat would be wrong by this much [s] …"""
 AHEAD: Final = 2.0
-"""... in so many seconds."""
+"""… within this time [s]."""
 
 
 @registered("rules")
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Everything but the clock. Beats are the Timeline's."""
+    """The show's rules for phones. Beats are the Timeline's."""
 
     order: int = 0
     open: bool = True
@@ -38,19 +35,19 @@ class Rules:
     """Half sizes of the stage [m]."""
     regions: tuple[str, ...] = ()
     weights: tuple[float, ...] = ()
-    """What each region's voices weigh now."""
+    """Present weight of each region's voices."""
     banned: tuple[int, ...] = ()
     turn: tuple[int, float, float] | None = None
-    """Region, and from which beat to which."""
+    """Region, first beat and last beat."""
     vote: tuple[int, str, tuple[str, ...], float] | None = None
-    """Number, what, choices, and the beat at which it closes."""
+    """Number, subject, choices, and the beat at which it closes."""
     won: tuple[int, str] = (0, "")
 
 
 @registered("beat")
 @dataclass(frozen=True, slots=True)
 class Beat:
-    """Where the beat is: `beat` at `time` [s of the show], and where measures begin."""
+    """Beat clock: `beat` at `time` [s of the show], tempo and measure."""
 
     time: float = 0.0
     beat: float = 0.0
@@ -60,11 +57,11 @@ class Beat:
     """Beat of a measure line."""
 
     def at(self, time: float) -> float:
-        """The beat at `time` [s]."""
+        """Return the beat at `time` [s]."""
         return self.beat + (time - self.time) * self.tempo / 60.0
 
     def slipped(self, other: "Beat", now: float) -> bool:
-        """Whether `other`, by now or soon, is another beat than this to somebody who dances."""
+        """Whether `other` differs noticeably from this beat, now or soon."""
         apart = max(abs(self.at(t) - other.at(t)) for t in (now, now + AHEAD)) * 60.0 / self.tempo
         metre = self.beats_per_measure != other.beats_per_measure
         turned = (self.line - other.line) % self.beats_per_measure
@@ -72,17 +69,17 @@ class Beat:
 
 
 RESTS = 5.0
-"""The voice of a phone that is cut off fades; its row is free after so long [s]."""
+"""Time after which the row of a disconnected phone is freed [s]; its voice fades meanwhile."""
 SILENT = 50.0
-"""A phone says something every 20 s, and be it only a ping; who does not for so long [s] is not there."""
+"""A phone sends at least a ping every 20 s; one that is silent for this long [s] is disconnected."""
 LEAST_JOINS: Final = 200
-"""A code lets in twice as many as may play at a time, for some wait, and never fewer than so many."""
+"""A code admits twice the maximum of simultaneous phones, as some wait, and at least this number."""
 SPARE = 64
-"""Rows for those who have just gone."""
+"""Additional rows for phones that have just disconnected."""
 
 
 class Hall:
-    """Thread: the gateway's loop."""
+    """Session state of the gateway. Thread: the gateway's loop."""
 
     def __init__(self, plan: dict[str, Any]) -> None:
         most = int(plan["most"])
@@ -99,17 +96,17 @@ class Hall:
         self.refused: Counter[str] = Counter()
         self.messages = 0
         self.due = 0.0
-        """When [s] all are gathered next."""
+        """Time [s] of the next aggregate."""
         self.gather: Callable[[], None] = lambda: None
         self._left, self._filled = ALL_BURST, 0.0
         self._parted: dict[int, tuple[int, float]] = {}
 
     def now(self) -> float:
-        """Seconds of the show."""
+        """Return the time of the show [s]."""
         return time.perf_counter() - self._origin
 
     def rule(self, rules: Rules) -> None:
-        """These are the rules from now on."""
+        """Apply new rules."""
         self.rules = rules
         now = self.now()
         if self.bans.rule(rules.banned, self.tickets.newest(now), now):
@@ -117,14 +114,14 @@ class Hall:
         self.voices.rule(rules.weights, sorted(self.bans.numbers()), rules.half)
         self.together.order = rules.order
 
-    # -- who is there --------------------------------------------------------------------------------------------
+    # -- connections ---------------------------------------------------------------------------------------------
 
     def enter(
         self, device: Device, region: int, group: int, browser: int, ws: Any, transport: Any, *, fresh: bool
     ) -> Phone | None:
-        """A phone has said who it is: with the voice that it had, if it was there; None if there is no room.
+        """Connect an identified phone, with its previous voice if it had one; None if there is no room.
 
-        `browser`: a keyed hash of what its browser says of itself; `fresh`: it has joined just now.
+        `browser`: keyed hash of its browser's identification; `fresh`: it has just joined.
         """
         number, now = device.number, self.now()
         region = min(region, max(len(self.rules.regions) - 1, 0))
@@ -146,23 +143,23 @@ class Hall:
         return phone
 
     def share(self, *groups: int) -> None:
-        """Give everybody who is of one of the groups the part of a voice that each has now."""
+        """Update the fractions of a voice of all phones in these groups."""
         now = self.now()
         for one in self.phones.related(*groups) if self.admission.apart else ():
             if one.row >= 0:
                 self.voices.part[one.row] = self.admission.part(one, now)
 
     def part(self, phone: Phone) -> None:
-        """A phone is cut off: its finger is lifted, its voice fades; it may come again."""
+        """Handle a disconnection: lift the finger and let the voice fade; the phone may reconnect."""
         now = self.now()
         self.phones.remove(phone, now)
         self.share(phone.group, phone.origin)
-        if phone.row >= 0:  # else somebody else has it
+        if phone.row >= 0:  # otherwise another connection has it
             self.voices.held[phone.row] = False
             self._parted[phone.number] = (phone.row, now)
 
     def sweep(self) -> None:
-        """Free the rows of those who have gone for good, and cut off who has fallen silent."""
+        """Free the rows of phones that are gone, and disconnect silent ones."""
         now = self.now()
         for phone in list(self.phones.by_number.values()):
             if now - phone.at > SILENT:
@@ -176,10 +173,11 @@ class Hall:
             self.share(group)
         self.tickets.tidy(now)
 
-    # -- what they say -------------------------------------------------------------------------------------------
+    # -- messages ------------------------------------------------------------------------------------------------
 
     def hear(self, phone: Phone, data: bytes, now: float) -> bytes | None:
-        """One message: its answer, or none (empty); None if the phone must leave. Twenty thousand come a second."""
+        """Handle one message; return its answer (may be empty), or None if the phone must leave. About 20,000 per
+        second."""
         self.messages += 1
         if now >= self.due:
             self.gather()
@@ -205,7 +203,7 @@ class Hall:
         return b""
 
     def amiss(self, phone: Phone, why: Why) -> bool:
-        """Count something amiss; whether the phone may stay."""
+        """Count a fault; return whether the phone may stay."""
         self.refused[why] += 1
         if why is Why.FAST:
             phone.fast += 1
@@ -214,7 +212,7 @@ class Hall:
         return phone.fast < TOO_FAST and phone.malformed < PATIENCE
 
     def _take(self, phone: Phone, data: bytes, now: float) -> None:
-        """A vote, a region, a shake."""
+        """Handle a vote, a region or a shake."""
         verb, vote, row = data[0], self.rules.vote, phone.row
         if row < 0:
             return
@@ -226,17 +224,17 @@ class Hall:
         elif self.rules.shake:
             self.voices.shook[row] = now
 
-    # -- what all want -------------------------------------------------------------------------------------------
+    # -- aggregate -----------------------------------------------------------------------------------------------
 
     def turn(self, now: float) -> tuple[Any, ...] | None:
-        """What the show is to be told at `now` [s]; None if nothing is new."""
+        """Return the event for the show at `now` [s]; None if nothing is new."""
         self._left = min(max(self._left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
         self._filled = now
         self.voices.take_up()
         return self.together.turn(now, len(self.phones), self.rules.open, self._votes)
 
     def _votes(self) -> str:
-        """The number of the vote that runs, and the voices for each choice in hundredths; empty if none runs."""
+        """Return the open vote's number and the voices for each choice in hundredths; empty if there is no vote."""
         vote = self.rules.vote
         if vote is None:
             return ""
@@ -249,7 +247,7 @@ class Hall:
         return " ".join(map(str, (vote[0], *(round(100 * count) for count in counts))))
 
     def facts(self) -> dict[str, Any]:
-        """For the status: nothing of anybody."""
+        """Return facts for the status, without personal data."""
         return {
             "phones": len(self.phones), "messages": self.messages, "crowded": self.admission.crowded,
             "voices": round(self.voices.people(), 2),

@@ -1,7 +1,7 @@
-"""Reading: a phone's frames from the moment on it was welcomed, without a task's turn for each of them.
+"""WebSocket reader for phones that handles frames directly in the protocol callback, without a task switch per frame.
 
-Of RFC 6455 there is all that a phone needs: whole, masked frames of at most 125 bytes, close, ping and pong. Whatever
-is longer, in parts, not masked or reserved ends the connection. What is sent goes the server's own way.
+It supports the part of RFC 6455 that phones need: whole, masked frames of at most 125 bytes, close, ping and pong.
+Longer, fragmented, unmasked or reserved frames close the connection. Sending uses aiohttp's own path.
 """
 
 import asyncio
@@ -21,17 +21,17 @@ LONGEST: Final = 125
 
 
 class Reading(asyncio.Protocol):
-    """Takes a connection over from the server's `handler`, which hears of its end. Thread: the gateway's loop."""
+    """Protocol that takes a connection over from the server's `handler`. Thread: the gateway's loop."""
 
     def __init__(self, hall: Hall, phone: Phone, handler: Any) -> None:
         self._hall, self._phone, self._handler = hall, phone, handler
         self._transport: Any = phone.transport
         self._rest = b""
         self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        """Done once the connection is lost."""
+        """Done when the connection is lost."""
 
     def data_received(self, data: bytes) -> None:
-        """Heed every whole frame."""
+        """Handle every whole frame."""
         if self._rest:
             data, self._rest = self._rest + data, b""
         begin, end, now = 0, len(data), self._hall.now()
@@ -56,7 +56,7 @@ class Reading(asyncio.Protocol):
         self._rest = data[begin:]
 
     def _heed(self, first: int, payload: bytes, now: float) -> bool:
-        """One frame; whether the phone may stay."""
+        """Handle one frame; return whether the phone may stay."""
         if first == BINARY:
             answer = self._hall.hear(self._phone, payload, now)
             if answer:
@@ -64,7 +64,7 @@ class Reading(asyncio.Protocol):
             return answer is not None
         if first == PING:
             self._transport.write(bytes((PONG, len(payload))) + payload)
-            return self._hall.hear(self._phone, b"", now) is not None  # it counts, and means nothing
+            return self._hall.hear(self._phone, b"", now) is not None  # it counts against the rate limit only
         if first == PONG:
             return True
         if first == CLOSE:
@@ -75,19 +75,19 @@ class Reading(asyncio.Protocol):
         return self._hall.amiss(self._phone, Why.MALFORMED) and first == TEXT
 
     def pause_writing(self) -> None:
-        """More waits than should."""
+        """Forward the pause to the handler."""
         self._handler.pause_writing()
 
     def resume_writing(self) -> None:
-        """It has gone out."""
+        """Forward the resumption to the handler."""
         self._handler.resume_writing()
 
     def eof_received(self) -> bool:
-        """It says no more."""
+        """Close the connection at the end of input."""
         return False
 
     def connection_lost(self, error: Exception | None) -> None:
-        """It has gone."""
+        """Forward the end of the connection to the handler."""
         self._handler.connection_lost(error)
         if not self.gone.done():
             self.gone.set_result(None)

@@ -1,1 +1,1 @@
-"""Sound devices: input, output, and the delay between them. It may import what `control` may."""
+"""Audio devices: input, output and latency measurement. It may import what `control` may."""

@@ -1,8 +1,7 @@
-"""AudioAnalysis: sound in, events out; the same for a live input, a music file that plays and one read offline.
+"""Audio analysis from samples to events, for live input, music playback and offline files.
 
-The beat network's trained weights, read from the package; the core is given them as a value.
-
-Which tracker listens: our network under the bar pointer, or aubio.
+The tracker is either the beat network with the bar pointer or aubio. The network's trained weights are read from the
+package and passed to the core as a value.
 """
 
 import io
@@ -27,12 +26,12 @@ from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, Sour
 
 @cache
 def beat_weights() -> Weights:
-    """The weights that come with the engine (`training/` makes them). Raises ValueError where they are damaged."""
+    """Return the weights shipped with the engine (made by `training/`). Raises ValueError if they are damaged."""
     data = files("live.clock.tracking").joinpath("weights.npz").read_bytes()
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             return Weights.of({name: arrays[name] for name in arrays.files if name != "recipe"})
-    except Exception as error:  # zipfile, zlib and numpy each have errors of their own for what is damaged
+    except Exception as error:  # zipfile, zlib and numpy each raise their own errors for damaged data
         raise ValueError(f"the beat network's weights cannot be read: {error}") from error
 
 
@@ -40,33 +39,33 @@ TrackerName = Literal["network", "aubio"]
 
 
 def make_tracker(name: TrackerName, sample_rate: float) -> tuple[Tracker | AubioTracker, str]:
-    """The tracker of that name, and words on what is different from what was asked for ("" if nothing is).
+    """Return the tracker of that name, and a note on any deviation from the request ("" if none).
 
-    Where the network's weights cannot be read, or at sample rates below what it can hear, aubio listens instead.
-    ValueError for a sample rate that no sound has.
+    If the network's weights cannot be read, or the sample rate is too low for it, aubio is used instead. ValueError for
+    an impossible sample rate.
     """
     if name == "aubio":
         return AubioTracker(sample_rate), ""
     try:
         return Tracker(sample_rate, Network(beat_weights())), ""
     except (OSError, ValueError) as error:
-        return AubioTracker(sample_rate), f"aubio listens instead of the beat network: {error}"
+        return AubioTracker(sample_rate), f"aubio is used instead of the beat network: {error}"
 
 
 TimeOf = Callable[[float], float]
-"""Time of the show [s] for a position in the sound [s since the first sample]."""
+"""Maps a position in the sound [s since the first sample] to the time of the show [s]."""
 
 STATES: Final[dict[Hearing, str]] = {"sound": "found", "pause": "paused", "silence": "silent"}
-"""What a SourceChanged says of it."""
+"""State of a SourceChanged for each kind of sound."""
 
 LONGEST: Final = 4096
-"""Samples mixed at once."""
+"""Maximum samples mixed at once."""
 
 
 class AudioAnalysis:
-    """Feeds a tracker and turns what it finds into events with the times of the show.
+    """Feeds a tracker and turns its estimates into events with times of the show.
 
-    Thread: one at a time; it belongs to the thread that analyses. `seeds` may be filled by any thread.
+    Thread: one at a time, the analysing thread. Any thread may append to `seeds`.
     """
 
     def __init__(
@@ -77,15 +76,15 @@ class AudioAnalysis:
         seeds: deque[Seed] | None = None,
         energy: bool = False,
     ) -> None:
-        """`source` is the name that the events carry; `energy`: whether MusicHeard tells what each beat was like.
+        """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat.
 
-        ValueError for a sample rate that no sound has.
+        ValueError for an impossible sample rate.
         """
         self.tracker, self.note = make_tracker(tracker, sample_rate)
         self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
-        """What people said by hand and the tracker is to know; taken up, and removed, with the next samples."""
+        """Manual corrections for the tracker; they are applied and removed with the next samples."""
         self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else None
-        """The tracker that knows what was told by hand: where aubio listens, the one before it."""
+        """The tracker with the manual corrections; the previous one while aubio is used."""
         self._source = source
         self._pauses = Pauses()
         self._hearing: Hearing = "sound"
@@ -93,12 +92,12 @@ class AudioAnalysis:
         self._energy = MusicEnergy(sample_rate) if energy else None
 
     def know_one(self, position: float) -> None:
-        """A measure begins at `position` [s of the sound]: so says the music's score, before anything is heard."""
+        """Set a measure start at `position` [s of the sound], known from the score before any sound is analysed."""
         if isinstance(self.tracker, Tracker):
             self.tracker.one(position)
 
     def succeed(self, former: "AudioAnalysis") -> None:
-        """Take the place of another analysis: what its tracker was told by hand holds on."""
+        """Take over the manual corrections of another analysis, which this one replaces."""
         known = former._obeyed
         self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else known
         if isinstance(self.tracker, Tracker) and known is not None:
@@ -107,7 +106,7 @@ class AudioAnalysis:
     def feed(self, samples: npt.NDArray[np.float32], time_of: TimeOf, now: float | None = None) -> list[ControlEvent]:
         """Analyse the next samples, shape (n, channels), and return the events found in them, oldest first.
 
-        Events are stamped with `now` [s], or without it with the time at which their last sample is heard (offline).
+        Events are stamped with `now` [s], or without it with the time of their last sample (offline).
         """
         while self.seeds:
             self._take(self.seeds.popleft(), time_of)
@@ -116,13 +115,13 @@ class AudioAnalysis:
         while start < samples.shape[0]:
             taken = min(self.tracker.wanted, samples.shape[0] - start, LONGEST)
             mono = self._mono[:taken]
-            with np.errstate(invalid="ignore", over="ignore"):  # bad samples are the tracker's to find and to count
+            with np.errstate(invalid="ignore", over="ignore"):  # the tracker detects and counts bad samples
                 np.mean(samples[start : start + taken], axis=1, out=mono)
             start += taken
             for estimate in self.tracker.feed(mono):
                 if self._energy is not None:
                     self._energy.beat(estimate.position, estimate.period)
-                if self._hearing == "sound":  # the beats that a tracker counts on in silence are nothing heard
+                if self._hearing == "sound":  # beats extrapolated during silence are not reported
                     events.append(self._event(estimate, time_of, now))
             hearing = self._pauses.step(self.tracker.level, self.tracker.position)
             if hearing != self._hearing:
@@ -159,7 +158,7 @@ class AudioAnalysis:
         )
 
     def _take(self, seed: Seed, time_of: TimeOf) -> None:
-        """Tell the tracker; what it cannot take (a tempo nobody dances to, a metre it does not know) is left out."""
+        """Apply a correction; values outside the tracker's range (tempo, metre) are ignored."""
         tracker = self.tracker
         if not isinstance(tracker, Tracker):
             return
@@ -180,4 +179,4 @@ class AudioAnalysis:
 
 
 MakeAnalysis = Callable[[float], AudioAnalysis]
-"""Makes the analysis for a sample rate [Hz]."""
+"""Factory of the analysis for a sample rate [Hz]."""

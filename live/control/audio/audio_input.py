@@ -1,7 +1,4 @@
-"""AudioInput: a sound device that is listened to, and goes on being listened to whatever happens to it.
-
-AudioChoice: which sound device is listened to, and which of its channels.
-"""
+"""Audio input from a selected device and channels, with recovery from device and analysis failures."""
 
 import threading
 from collections import deque
@@ -20,24 +17,25 @@ from live.control.events.events import ChooseAudio, ControlEvent, RestartAudio, 
 
 @dataclass(frozen=True, slots=True)
 class AudioChoice:
-    """A device as it was found, and the channels that are wished of it."""
+    """A device as found, and the channels requested from it."""
 
     device: SoundDevice
     channels: Channels
 
     @classmethod
     def of(cls, device: str | int | None, channels: Channels) -> "AudioChoice":
-        """`device` as for `find_device`; SoundUnavailable, UnknownDevice, PersonError if it lacks the channels."""
+        """`device` as for `find_device`. Raises SoundUnavailable, UnknownDevice, and PersonError if channels are
+        missing."""
         return cls(find_device(device), channels)._checked()
 
     def other(self, device: str, channels: str) -> "AudioChoice":
-        """Another device, other channels, or both; empty: as they are. Raises as `of` does."""
+        """Return a choice with another device, other channels, or both; empty: unchanged. Raises as `of` does."""
         return AudioChoice(
             find_device(device) if device else self.device, Channels.of(channels) if channels else self.channels
         )._checked()
 
     def again(self) -> "AudioChoice":
-        """The same device as it is there now, with whichever channels it has; UnknownDevice if it is not there."""
+        """Return the same device as it is now, with any of its channels; UnknownDevice if it is absent."""
         return AudioChoice(find_again(self.device), self.channels)
 
     def _checked(self) -> "AudioChoice":
@@ -51,27 +49,27 @@ LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the device counts as lost."""
 
 FIRST_SOUND: Final = 3.0
-"""Seconds that a device just opened may take until its first callback (sound servers take one or two)."""
+"""Maximum seconds from opening a device to its first callback (sound servers take one or two)."""
 
 RETRY: Final = 2.0
-"""Seconds between attempts to open a lost device again."""
+"""Seconds between attempts to reopen a lost device."""
 
 CRASHES_APART: Final = 5.0
-"""When the analysis fails twice within so many seconds the device is closed and opened again."""
+"""If the analysis fails twice within this many seconds, the device is reopened."""
 
 ASKED_MOST: Final = 16
-"""Changes of the device that may wait for the thread."""
+"""Maximum of pending device changes."""
 
 METER_FALL: Final = 0.95
-"""Share of the level that is left with the next block: it falls by 20 dB in half a second."""
+"""Meter decay per block: 20 dB in half a second."""
 
 
 class AudioInput:
-    """Listens to a device and puts what the analysis finds, and SourceChanged, into an inbox.
+    """Analyses a device's sound and puts the events found, and SourceChanged, into a queue.
 
-    When no sound arrives for half a second the source is "lost", and the device is opened again, by name, every
-    two seconds until it is "found"; it may come back with another rate or other channels. An analysis that fails is
-    begun anew and counted. Samples that are NaN become silence. `act` takes the events that ask something of it.
+    When no sound arrives for half a second, the source is "lost". The device is then reopened by name every two seconds
+    until it is "found"; its rate and channels may have changed. A failed analysis is restarted and counted. NaN samples
+    become silence. `act` handles the events that control the input.
     """
 
     def __init__(
@@ -85,21 +83,21 @@ class AudioInput:
         source: str = "audio",
         analysis: MakeAnalysis | None = None,
     ) -> None:
-        """`device` as for `find_device`; `latency` [s] is how long sound takes from the loudspeakers until it is here.
+        """`device` as for `find_device`; `latency` [s]: delay of the sound from the loudspeakers to this input.
 
-        `analysis` makes what listens, for a sample rate. Raises SoundUnavailable or UnknownDevice, and PersonError if
+        `analysis` makes the analysis for a sample rate. Raises SoundUnavailable or UnknownDevice, and PersonError if
         the device lacks the channels.
         """
         self._choice = AudioChoice.of(device, channels)
         self.latency = latency
         self.reopened = 0
-        """How often the device was opened again."""
+        """Number of times the device was reopened."""
         self.crashes = 0
-        """How often the analysis failed and was begun anew."""
+        """Number of times the analysis failed and was restarted."""
         self.problem = ""
-        """What is wrong with the sound now, in words; empty if nothing is."""
+        """Description of the present problem; empty if there is none."""
         self.failure = ""
-        """How the analysis failed last, in words."""
+        """Description of the latest failure of the analysis."""
         self._inbox = inbox
         self._clock = clock
         self._source = source
@@ -117,28 +115,28 @@ class AudioInput:
 
     @property
     def device(self) -> SoundDevice:
-        """The device that is listened to, or waited for. Thread: any."""
+        """The selected device, open or awaited. Thread: any."""
         return self._choice.device
 
     @property
     def channels(self) -> Channels:
-        """Those that are wished of it. Thread: any."""
+        """The requested channels. Thread: any."""
         return self._choice.channels
 
     @property
     def level(self) -> float:
-        """RMS of the loudest heard just now, full scale = 1 (for a meter). Thread: any."""
+        """RMS of the recent peak, full scale = 1 (for a meter). Thread: any."""
         return self._level
 
     @property
     def bad_samples(self) -> int:
-        """Samples that were no sound (NaN, infinite, absurd) since the start. Thread: any."""
+        """Invalid samples (NaN, infinite, absurd) since the start. Thread: any."""
         listening = self._listening
         now = 0 if listening is None else listening.analysis.tracker.bad_samples + listening.mixer.bad_samples
         return self._bad_before + now
 
     def facts(self) -> dict[str, Any]:
-        """What the operator is told of the device, for the status. Thread: any."""
+        """Return facts on the device for the operator's status. Thread: any."""
         listening = self._listening
         return {
             "device": self.device.name,
@@ -155,35 +153,35 @@ class AudioInput:
         }
 
     def act(self, event: ControlEvent) -> None:
-        """Take up RestartAudio and ChooseAudio; other events concern others. Thread: any."""
+        """Handle RestartAudio and ChooseAudio; other events are ignored. Thread: any."""
         if not isinstance(event, RestartAudio | ChooseAudio):
             return
         self._asked.append(event)
         if self._rounds.hangs:
-            self._listening = None  # its stream belongs to the thread that hangs, and is left behind with it
+            self._listening = None  # its stream belongs to the hung thread and is abandoned with it
             self._rounds.begin()
 
     def start(self) -> None:
-        """Open the device and begin to listen; raises sounddevice.PortAudioError if it refuses now."""
+        """Open the device and start; raises sounddevice.PortAudioError if it refuses now."""
         self._open(self._rounds.mine)
         self._rounds.begin()
 
     def stop(self) -> None:
-        """End; a device that hangs is left to its thread after two seconds."""
+        """Stop; a hung device is abandoned after two seconds."""
         self._rounds.stop()
 
-    # -- the thread that listens ---------------------------------------------------------------------------------
+    # -- input thread --------------------------------------------------------------------------------------------
 
     def turn(self) -> None:
-        """One round: what was asked, what was heard, what is lost. Never raises. Thread: the one that listens."""
+        """Handle pending requests, new sound and lost devices once. Never raises. Thread: the input's own."""
         now = self._clock.now()
         try:
             self._work(now)
-        except Exception as error:  # whatever fails in here, the listening goes on
+        except Exception as error:  # the input continues after any failure
             self._begin_anew(error, now)
 
     def _begin_anew(self, error: Exception, now: float) -> None:
-        """The analysis failed: another one, or if that soon fails as well, the device from the beginning."""
+        """Restart the analysis after a failure; after a second failure soon after, reopen the device."""
         self.crashes += 1
         self.failure = self.problem = f"the analysis failed: {type(error).__name__}: {error}"
         again, self._crashed_at = now - self._crashed_at < CRASHES_APART, now
@@ -191,8 +189,8 @@ class AudioInput:
             try:
                 self._listening.begin_analysis(self._listening.ring.read_frames)
                 return
-            except Exception as refusal:  # there is no other
-                self.failure = self.problem = f"the analysis cannot be begun: {type(refusal).__name__}: {refusal}"
+            except Exception as refusal:  # no analysis can be made
+                self.failure = self.problem = f"the analysis cannot be started: {type(refusal).__name__}: {refusal}"
         self._lose(now, self.problem)
 
     def _work(self, now: float) -> None:
@@ -214,7 +212,7 @@ class AudioInput:
                 self._inbox.put(event)
             self._level = max(listening.analysis.tracker.level, self._level * METER_FALL)
             if self.problem and self.problem == self.failure and now - self._crashed_at > CRASHES_APART:
-                self.problem = listening.problem  # it has gone well since
+                self.problem = listening.problem  # no failure since
         if now - self._alive_at > self._patience:
             self._lose(now, self.device.name)
 
@@ -227,9 +225,9 @@ class AudioInput:
         self._alive_at = now
 
     def _open(self, mine: threading.Event) -> None:
-        """`mine` of the rounds, as it was before the sound system was asked anything."""
+        """Open the device. `mine`: the watchdog's value from before the first call to the sound system."""
         listening = open_device(self.device, self.channels, self._clock, self._analysis)
-        if mine is not self._rounds.mine:  # this thread hung for so long that another one listens now
+        if mine is not self._rounds.mine:  # this thread hung so long that another one has replaced it
             listening.close()
             return
         self._listening = listening
@@ -243,7 +241,7 @@ class AudioInput:
             listening.close()
 
     def _try_again(self, now: float) -> None:
-        """Look for the device by its name and open it; whatever goes wrong, there is another time."""
+        """Look for the device by name and open it; after any failure, try again later."""
         self._alive_at, mine = now, self._rounds.mine
         try:
             refresh()
@@ -252,18 +250,18 @@ class AudioInput:
                 return
             self._choice = again
             self._open(mine)
-        except Exception as error:  # the sound system is coming and going: no error of its may end the listening
+        except Exception as error:  # errors of an unstable sound system must not end the input
             self.problem = str(error)
             return
         self.reopened += 1
 
     def _change(self, now: float) -> None:
-        """Close the device and open it again, or what was chosen; if that cannot be, what there was."""
-        self._lose(now, "opened anew by hand")
+        """Close the device and open the requested one; on failure, the previous one."""
+        self._lose(now, "reopened by hand")
         device = channels = refusal = ""
         while self._asked:
             asked = self._asked.popleft()
-            if isinstance(asked, ChooseAudio):  # device and channels may come one by one
+            if isinstance(asked, ChooseAudio):  # device and channels may come in separate events
                 device, channels = asked.device or device, asked.channels or channels
         if device or channels:
             try:

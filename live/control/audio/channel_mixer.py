@@ -1,4 +1,4 @@
-"""Channels: which channels of a sound device are listened to, and how they become one."""
+"""Channel selection of an audio device and the mix of the selected channels to mono."""
 
 import re
 from collections.abc import Sequence
@@ -13,36 +13,36 @@ from live.base.errors import PersonError
 Float32 = npt.NDArray[np.float32]
 
 MOST: Final = 128
-"""No card has more channels."""
+"""Maximum channel number; no card has more."""
 
 MUTE: Final = 1e-4
-"""A channel with less than this share of the loudest one's power (-40 dB) is mute and does not count."""
+"""A channel below this share of the loudest one's power (-40 dB) is muted and does not count."""
 
 STILL_HEARD: Final = 1e-5
-"""... and one that counted goes on to count down to this share."""
+"""A channel that counts is muted only below this share (hysteresis)."""
 
 MEMORY: Final = 0.3
 """Seconds over which a channel's power is averaged."""
 
 OPPOSED: Final = 0.02
-"""When the mean of the channels has less than this share of their power, they cancel: one of them is taken alone."""
+"""If the channels' mean has less than this share of their power, they cancel out, and only one is used …"""
 
 AGREED: Final = 0.1
-"""... until it has this share again."""
+"""… until the mean has this share again."""
 
 LOUDEST: Final = 64.0
-"""Samples beyond this are no sound but a fault (full scale is 1)."""
+"""Samples above this level are faults (full scale is 1)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Channels:
-    """A choice of channels by their numbers from 0; none: all that there are."""
+    """Selected channels, numbered from 0; empty: all channels."""
 
     numbers: tuple[int, ...] = (0, 1)
 
     @staticmethod
     def of(words: str | Sequence[int]) -> "Channels":
-        """`3`, `5,6` or `all`, or a list of numbers; they count from 1. PersonError for anything else."""
+        """Parse `3`, `5,6`, `all` or a list of numbers, counted from 1. PersonError for anything else."""
         if isinstance(words, str):
             if words.strip().casefold() in ("all", "mix", "*"):
                 return Channels(())
@@ -57,16 +57,17 @@ class Channels:
         return ",".join(str(number + 1) for number in self.numbers) or "all"
 
     def among(self, available: int) -> tuple[int, ...]:
-        """Those of a device with `available` channels; all of its own, up to two, if it has none of the chosen."""
+        """Return the selected channels of a device with `available` channels; up to its first two if it has none of
+        them."""
         if not self.numbers:
             return tuple(range(available))
         there = tuple(number for number in self.numbers if number < available)
         return there or tuple(range(min(available, 2)))
 
     def missing(self, available: int) -> str:
-        """Which of the chosen channels a device with `available` channels lacks, in words; empty if none.
+        """Describe the selected channels missing from a device with `available` channels; empty if none.
 
-        Of the usual choice, the first two, one is enough.
+        For the default selection, the first two, one channel is enough.
         """
         lacking = [str(number + 1) for number in self.numbers if number >= available]
         if not lacking or (self == Channels() and available):
@@ -79,14 +80,14 @@ def _refused(words: object) -> PersonError:
 
 
 class Mixer:
-    """Brings the chosen channels of blocks down to one; a mute channel does not halve the level.
+    """Mixes the selected channels of blocks to mono; muted channels do not lower the level.
 
-    The mean is over the channels that are not mute; if they cancel each other (one of a pair wired the wrong way
-    round), the loudest alone is taken. Changes are faded over a block.
+    The mix is the mean of the channels that are not muted. If they cancel each other (one of a pair with reversed
+    polarity), only the loudest is used. Changes are cross-faded over a block.
     """
 
     def __init__(self, chosen: Sequence[int], sample_rate: float, longest: int) -> None:
-        """`chosen`: channels from 0; `longest`: frames of a block at most."""
+        """`chosen`: channels from 0; `longest`: maximum frames of a block."""
         count = len(chosen)
         self._chosen = np.array(chosen, np.intp)
         self._sample_rate = sample_rate
@@ -99,10 +100,10 @@ class Mixer:
         self._mean: Float32 = np.full(count, 1.0 / count, np.float32)
         self._weights: Float32 = self._mean.copy()
         self.bad_samples = 0
-        """Samples that were no sound and became 0, if there is more than one channel; of one the tracker counts."""
+        """Invalid samples replaced by 0 if there are several channels; for a single channel the tracker counts them."""
 
     def mix(self, block: Float32) -> Float32:
-        """One channel, shape (n,), of a block of shape (n, channels of the device), valid until the next call."""
+        """Return the mono mix, shape (n,), of a block, shape (n, channels of the device); valid until the next call."""
         picked = self._picked[: block.shape[0]]
         np.take(block, self._chosen, axis=1, out=picked, mode="clip")
         if picked.shape[1] == 1 or not picked.shape[0]:
@@ -140,7 +141,7 @@ class Mixer:
             self._opposed = self._mean_power < (AGREED if self._opposed else OPPOSED) * whole
 
     def _wanted(self) -> Float32:
-        """The weights that the powers ask for; `_mean` follows with those of the channels that are not mute."""
+        """Return the weights for the present powers, and update `_mean`, the weights of the unmuted channels."""
         loudest = float(self._power.max())
         heard = self._power > np.where(self._mean > 0.0, STILL_HEARD, MUTE) * loudest
         if not heard.any():

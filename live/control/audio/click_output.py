@@ -1,7 +1,4 @@
-"""ClickOutput: the beat as a click on a sound output of its own, for the players' ears.
-
-ClickTrack: a click on every beat of a Timeline, placed to the sample in blocks of sound.
-"""
+"""Click output: plays a click on every beat of the Timeline, on a separate audio output for the performers."""
 
 import math
 import threading
@@ -22,36 +19,36 @@ from live.control.audio.devices import SoundDevice, close_stream, find_again, fi
 Float32 = npt.NDArray[np.float32]
 
 LATE: Final = 0.040
-"""A beat that has come to lie this long [s] before a block is still clicked, at its beginning; an older one is not."""
+"""A beat up to this late [s] for a block is clicked at the block's start; an older one is skipped."""
 
 LOST: Final = 1.5
-"""When the next beat is farther from the Timeline's [beats] it is another Timeline, and counting begins anew."""
+"""If the next beat differs from the Timeline's by more than this [beats], counting restarts."""
 
 
 class ClickTrack:
-    """Fills blocks of one channel. Each beat clicks once, whatever the Timeline does: it never goes back.
+    """Fills mono blocks with one click per beat, even if the Timeline jumps; it never goes back.
 
-    While somebody counts in, the accents lie on the measures that are counted, and the click is heard even if it is
-    off. Thread: `fill` in the callback, which allocates nothing; `show` and `on` in one other.
+    During a count-in, the accents follow the counted measures, and the click sounds even if it is off. Thread: `fill`
+    in the callback, without allocation; `show` and `on` in one other.
     """
 
     def __init__(self, accent: Float32, beat: Float32, *, on: bool = True) -> None:
-        """`accent` and `beat`: the sounds of a measure's first beat and of all others, one channel, full scale 1."""
+        """`accent` and `beat`: the sounds of a measure's first beat and of all others, mono, full scale 1."""
         self.voices = (accent, beat)
-        """Accent and beat; they change only while nothing is played."""
+        """Accent and beat; changed only while nothing is playing."""
         self._shown: tuple[Timeline, float] | None = None
         self._sounding: Float32 = beat
         self._played = len(beat)
         self._next: int | None = None
         self.on = on
-        """False: heard only while somebody counts in."""
+        """False: clicks only during a count-in."""
         self.clicks = 0
         """Clicks since the start."""
         self.missed = 0
-        """Beats that were known too late to be clicked."""
+        """Beats known too late to be clicked."""
 
     def show(self, timeline: Timeline, one: float = -math.inf) -> None:
-        """How the show runs; `one`: the beat that is counted down to, if somebody counts in."""
+        """Set the Timeline; `one`: the beat at which a count-in ends, if there is one."""
         self._shown = (timeline, one)
 
     def fill(self, out: Float32, begin: float, seconds: float) -> None:
@@ -75,7 +72,7 @@ class ClickTrack:
                 self._strike(out, number, timeline, one, max(-late, 0.0) / seconds)
 
     def _strike(self, out: Float32, number: int, timeline: Timeline, one: float, share: float) -> None:
-        """A click `share` of the block after its beginning."""
+        """Start a click at this `share` of the block."""
         origin = one if number <= one else timeline.measure_origin
         accented = phase(number - origin, timeline.beats_per_measure) == 0.0
         self._sounding, self._played = self.voices[0 if accented else 1], 0
@@ -83,7 +80,7 @@ class ClickTrack:
         self._go_on(out, min(round(share * out.shape[0]), out.shape[0] - 1))
 
     def _go_on(self, out: Float32, start: int) -> None:
-        """The click that is sounding goes on in the block from frame `start`."""
+        """Continue the present click in the block from frame `start` on."""
         count = min(out.shape[0] - start, len(self._sounding) - self._played)
         if count > 0:
             part = out[start : start + count]
@@ -92,39 +89,38 @@ class ClickTrack:
 
 
 MakeVoices = Callable[[int], tuple[Float32, Float32]]
-"""For a sample rate [Hz]: the sound of a measure's first beat, and that of the others."""
+"""Factory, for a sample rate [Hz], of the sounds of a measure's first beat and of the others."""
 
 POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
-"""Seconds without a callback after which the output counts as gone ..."""
+"""Seconds without a callback after which the output counts as lost …"""
 
 FIRST_SOUND: Final = 3.0
-"""... and so many after it was opened (sound servers fill their buffers and pause)."""
+"""… and the same after opening (sound servers fill their buffers and pause)."""
 
 RETRY: Final = 2.0
-"""Seconds between attempts to open it again."""
+"""Seconds between attempts to reopen it."""
 
 SETTLED: Final = 1.0
-"""The first click comes when the line through the callbacks has stayed where it is for so many seconds of samples
-and of time ..."""
+"""Clicks start when the line fitted through the callbacks was stable for this many seconds of samples and of time …"""
 
 STEADY: Final = 0.020
-"""... within this [s]. A sound server may take samples at once, and then pause for two seconds."""
+"""… within this tolerance [s]. A sound server may request samples at once, and then pause for two seconds."""
 
 AHEAD: Final = 0.080
-"""Seconds of sound that are asked of the device as its buffer: a callback may be late by as much unheard."""
+"""Buffer requested from the device [s]: a callback may be this late without a dropout."""
 
 LONGEST: Final = 16384
-"""Frames of a block at most; what a sound server asks beyond stays silent."""
+"""Maximum frames of a block; any further requested frames stay silent."""
 
 STAMPS: Final = 512
 
 
 class ClickOutput:
-    """Plays a ClickTrack. An output that goes away is opened again by name; the show never waits for it.
+    """Plays a ClickTrack. A lost output is reopened by name; the show never waits for it.
 
-    When a sample is heard: a line through the callbacks' times against the count of their samples (as for music), the
-    latency that the device says, and `later`, which is found by ear or by measuring.
+    The time of a sample is the sum of a line fitted through the callbacks' times against their sample counts (as for
+    music), the device's reported latency, and `later`, which is set by ear or by measurement.
     """
 
     def __init__(
@@ -137,7 +133,7 @@ class ClickOutput:
         later: float = 0.0,
         on: bool = True,
     ) -> None:
-        """`device` as for `find_device`; `later` [s]: how much later it is heard than the device says.
+        """`device` as for `find_device`; `later` [s]: additional delay beyond the device's reported latency.
 
         Raises SoundUnavailable or UnknownDevice, and PersonError if the device lacks the channels.
         """
@@ -146,11 +142,11 @@ class ClickOutput:
         if missing:
             raise PersonError(f"{self.device.name}: {missing}", "choose others, see `live devices`")
         self.later = later
-        """As given; it may be changed meanwhile."""
+        """Additional delay [s]; it may be changed at any time."""
         self.problem = ""
-        """Why nothing clicks, in words; empty if it does."""
+        """Description of why nothing clicks; empty if it does."""
         self.reopened = 0
-        """How often the output was opened again."""
+        """Number of times the output was reopened."""
         self._make_voices = voices
         self._rate = self.device.sample_rate
         self.track = ClickTrack(*voices(round(self._rate)), on=on)
@@ -168,11 +164,11 @@ class ClickOutput:
         self._begin()
 
     def show(self, timeline: Timeline, one: float = -math.inf) -> None:
-        """How the show runs now, and the beat that is counted down to, if any; each frame."""
+        """Set the Timeline and the beat at which a count-in ends, if any; called each frame."""
         self.track.show(timeline, one)
 
     def facts(self) -> dict[str, Any]:
-        """What the operator is told, for the status. Thread: any."""
+        """Return facts for the operator's status. Thread: any."""
         return {
             "device": self.device.name,
             "state": "open" if self._stream is not None else "lost",
@@ -186,36 +182,36 @@ class ClickOutput:
 
     @property
     def delay(self) -> float:
-        """From a sample handed over until it is heard [s]."""
+        """Delay from handing over a sample until it is heard [s]."""
         return self._reported + self.later
 
     def start(self) -> None:
-        """Open the output and begin; raises sounddevice.PortAudioError if it refuses now."""
+        """Open the output and start; raises sounddevice.PortAudioError if it refuses now."""
         self.open()
         self._stop.clear()
         self._thread = threading.Thread(target=self._run, name="click", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End."""
+        """Stop the click and close the output."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
             self._thread = None
 
     def _begin(self) -> None:
-        """Everything that depends on the device as it is now."""
+        """Reset all state that depends on the present device."""
         if self._rate != self.device.sample_rate:
             self._rate = self.device.sample_rate
             self.track.voices = self._make_voices(round(self._rate))
         self._channels = self._wanted.among(self.device.channels)
         self._line = SampleClock(self._rate)
         self._asked = self._stamps = self._stamps_read = 0
-        self._place: tuple[float, float] | None = None  # when frame 0 is handed over, and seconds per frame
-        self._steady: tuple[float, float, float] | None = None  # where the line lies, since which sample and when
+        self._place: tuple[float, float] | None = None  # time at which frame 0 is handed over, and seconds per frame
+        self._steady: tuple[float, float, float] | None = None  # the line's offset, valid since which sample and time
 
     def open(self) -> None:
-        """Open the output; `start` does it, and turns in a thread."""
+        """Open the output; called by `start` and by its thread."""
         self._begin()
         self._stream = open_stream(
             "output",
@@ -255,12 +251,12 @@ class ClickOutput:
             self.turn()
 
     def turn(self) -> None:
-        """One round, which never raises: where the samples are, whether the output is there. Thread: the click's."""
+        """Update the sample line and check the output once; never raises. Thread: the click's."""
         now = self._clock.now()
         if self._stream is not None:
             try:
                 self._watch(now)
-            except Exception as error:  # the output is opened anew, the click's thread goes on
+            except Exception as error:  # the output is reopened, and the click's thread continues
                 self._lose(now, f"the click failed: {type(error).__name__}: {error}")
         elif now - self._alive_at >= RETRY:
             self._try_again(now)
@@ -279,7 +275,7 @@ class ClickOutput:
             self._lose(now, f"{self.device.name} went away")
 
     def _place_samples(self) -> None:
-        """Say when samples are handed over, once that is known."""
+        """Set the samples' time once it is known."""
         asked = float(self._asked)
         handed_over = self._line.time_of(asked)
         lies = handed_over - asked / self._rate
@@ -300,13 +296,13 @@ class ClickOutput:
             close_stream(stream)
 
     def _try_again(self, now: float) -> None:
-        """Look for the output by its name and open it; whatever goes wrong, there is another time."""
+        """Look for the output by name and open it; after any failure, try again later."""
         self._alive_at = now
         try:
             refresh()
             self.device = find_again(self.device, "output")
             self.open()
-        except Exception as error:  # the sound system is coming and going: no error of its may end the click
+        except Exception as error:  # errors of an unstable sound system must not end the click
             self._stream = None
             self.problem = str(error)
             return

@@ -1,7 +1,4 @@
-"""Listening: one sound device that is open: callback → ring → mixer → analysis.
-
-Ring: sound between two threads: the callback writes, the analysis reads; nobody waits, nothing is allocated.
-"""
+"""Audio stream of one open device, from callback through ring buffer and mixer to the analysis."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, Final
@@ -17,13 +14,13 @@ from live.control.audio.devices import SoundDevice, close_stream, open_stream
 from live.control.events.events import ControlEvent
 
 STAMPS: Final = 512
-"""Blocks whose times are kept; half of them can be read."""
+"""Number of stored block times; half of them can be read."""
 
 
 class Ring:
-    """Frames of sound, and when each block was there.
+    """Lock-free ring buffer of frames between two threads, with the time of each block. It allocates nothing.
 
-    Thread: `write` from the callback only, all else from one other thread. Each side moves only its own counters.
+    Thread: `write` from the callback only, all else from one other thread. Each side writes only its own counters.
     """
 
     def __init__(self, frames: int, channels: int) -> None:
@@ -32,18 +29,18 @@ class Ring:
         self._stamp_frame = np.zeros(STAMPS, np.int64)
         self._stamp_time = np.zeros(STAMPS)
         self.longest = frames // 2
-        """Frames that one `read` gives at most."""
+        """Maximum frames of one `read`."""
         self.written = 0
         """Frames written since the start."""
         self.read_frames = 0
-        """Frames read (or given up) since the start."""
+        """Frames read or skipped since the start."""
         self.overrun = 0
-        """Frames that were overwritten before anybody read them."""
+        """Frames overwritten before they were read."""
         self._stamps = 0
         self._stamps_read = 0
 
     def write(self, block: npt.NDArray[np.float32], time: float) -> None:
-        """Copy a block, shape (n, channels), that was complete at `time` [s]; of one too long the end is kept."""
+        """Copy a block, shape (n, channels), completed at `time` [s]; of a block that is too long the end is kept."""
         size = self._sound.shape[0]
         if block.shape[0] > size:
             self.written += block.shape[0] - size
@@ -58,7 +55,7 @@ class Ring:
         self._stamps += 1
 
     def stamp(self) -> tuple[int, float] | None:
-        """(frames written by then, time [s]) of the next block whose time was not read yet; None if there is none."""
+        """Return (frames written, time [s]) of the next unread block; None if there is none."""
         until = self._stamps
         if self._stamps_read >= until:
             return None
@@ -68,9 +65,9 @@ class Ring:
         return int(self._stamp_frame[slot]), float(self._stamp_time[slot])
 
     def read(self) -> npt.NDArray[np.float32]:
-        """All frames not yet read, shape (n, channels), valid until the next call.
+        """Return all unread frames, shape (n, channels), valid until the next call.
 
-        At most half a ring: the writer may already be at work in the older half; what is lost counts as `overrun`.
+        At most half the buffer, as the writer may be overwriting the older half; lost frames are counted in `overrun`.
         """
         size, until = self._sound.shape[0], self.written
         late = until - self.read_frames - self.longest
@@ -89,11 +86,11 @@ BLOCK: Final = 512
 RING_SECONDS: Final = 2.0
 
 OTHER_RATES: Final = (48_000.0, 44_100.0, 96_000.0, 192_000.0, 32_000.0, 22_050.0)
-"""Rates [Hz] that are tried when a device refuses its own."""
+"""Rates [Hz] to try when a device refuses its own."""
 
 
 class Listening:
-    """A device from being opened to being closed. Made by `open_device`.
+    """Stream of one device with its analysis; made by `open_device`.
 
     Thread: the callback writes into the ring; everything else belongs to one other thread.
     """
@@ -102,9 +99,9 @@ class Listening:
         chosen = channels.among(device.channels)
         self.device = device
         self.opened_channels = max(chosen) + 1
-        """Channels that are asked of the device: up to the last that is chosen."""
+        """Channels requested from the device: up to the last selected one."""
         self.missing = channels.missing(device.channels)
-        """Which of the channels wished for the device does not have, in words; empty if it has all."""
+        """Description of the requested channels that the device lacks; empty if it has all."""
         self._clock = clock
         self._make = analysis
         self._chosen = chosen
@@ -117,20 +114,20 @@ class Listening:
         self.analysis: AudioAnalysis
 
     def begin(self, sample_rate: float) -> None:
-        """A fresh ring, line, mixer and analysis for this rate [Hz]; `open` does it."""
+        """Make a new ring, line, mixer and analysis for this rate [Hz]; called by `open`."""
         self.ring = Ring(int(RING_SECONDS * sample_rate), self.opened_channels)
         self.watch = RateWatch(sample_rate)
         self._listen_at(sample_rate)
 
     def _listen_at(self, sample_rate: float) -> None:
-        """A fresh line, mixer and analysis; the ring goes on, for the callback writes into it."""
+        """Make a new line, mixer and analysis; the ring is kept, as the callback writes into it."""
         self.sample_rate = sample_rate
         self.line = SampleClock(sample_rate)
         self.mixer = Mixer(self._chosen, sample_rate, self.ring.longest)
         self.begin_analysis(self.ring.read_frames)
 
     def begin_analysis(self, frame: int) -> None:
-        """A fresh analysis of what comes from frame number `frame` on."""
+        """Make a new analysis that starts at frame number `frame`."""
         self.analysis = self._make(self.sample_rate)
         self._skipped = frame
 
@@ -150,13 +147,13 @@ class Listening:
                     latency="low",
                     callback=self.callback(self.ring),
                 )
-            except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+            except Exception as error:  # PortAudioError, whose class exists only with PortAudio
                 refusal = refusal or error
                 if "sample rate" not in str(error).lower():
                     raise
                 continue
             opened = float(getattr(self._stream, "samplerate", rate))
-            if opened != rate and 0.0 < opened < 1e6:  # it opened, but at a rate of its own
+            if opened != rate and 0.0 < opened < 1e6:  # it opened, but at another rate
                 self.watch = RateWatch(opened)
                 self._listen_at(opened)
             return
@@ -165,11 +162,11 @@ class Listening:
 
     @property
     def problem(self) -> str:
-        """What is not as it was wished, in words: channels that are missing, another tracker; empty if nothing is."""
+        """Description of deviations from the request (missing channels, another tracker); empty if none."""
         return "; ".join(words for words in (self.missing, self.analysis.note) if words)
 
     def callback(self, ring: Ring) -> Callable[[npt.NDArray[np.float32], int, Any, Any], None]:
-        """What the sound system calls: it copies and stamps, and nothing else."""
+        """Return the callback for the sound system, which only copies and stamps a block."""
         now = self._clock.now
 
         def heard(block: npt.NDArray[np.float32], _frames: int, _times: Any, _status: Any) -> None:
@@ -178,31 +175,31 @@ class Listening:
         return heard
 
     def close(self) -> None:
-        """Close the stream, if one is open; a device that hangs is left alone after a while."""
+        """Close the stream, if one is open; a hung device is abandoned after a while."""
         if self._stream is not None:
             stream, self._stream = self._stream, None
             close_stream(stream)
 
     def observe(self) -> float | None:
-        """Take up when blocks came; returns the time of the last one [s], None if none has come."""
+        """Update the sample line from new block times; return the last one's time [s], None if there is none."""
         last = None
         while (stamp := self.ring.stamp()) is not None:
             frame, time = stamp
             self.line.observe(frame, time)
             last = time if last is None else max(last, time)
             rate = self.watch.observe(frame, time)
-            if rate is not None:  # it delivers at another rate than it says
+            if rate is not None:  # it delivers at another rate than it reports
                 self._listen_at(rate)
         return last
 
     def events(self, latency: float, now: float) -> Iterator[ControlEvent]:
-        """What the analysis finds in the sound not yet read; its times are `latency` [s] before those measured."""
+        """Return the events found in the unread sound; their times are corrected by `latency` [s]."""
         missed = self.ring.overrun
         sound = self.ring.read()
-        if self.ring.overrun != missed:  # the analysis stood still for a second: the sound in between is gone
+        if self.ring.overrun != missed:  # the analysis was blocked for a second and the sound in between is lost
             self.begin_analysis(self.ring.read_frames - sound.shape[0])
         rate, skipped, line = self.sample_rate, self._skipped, self.line
-        with np.errstate(invalid="ignore", over="ignore"):  # bad samples are found and counted
+        with np.errstate(invalid="ignore", over="ignore"):  # bad samples are detected and counted
             mono = self.mixer.mix(sound)
         return iter(
             self.analysis.feed(mono[:, None], lambda position: line.time_of(position * rate + skipped) - latency, now)
@@ -210,7 +207,7 @@ class Listening:
 
 
 def open_device(device: SoundDevice, channels: Channels, clock: Clock, analysis: MakeAnalysis) -> Listening:
-    """The device, open; PortAudioError or SoundUnavailable if it refuses."""
+    """Open a device; PortAudioError or SoundUnavailable if it refuses."""
     listening = Listening(device, channels, clock, analysis)
     listening.open()
     return listening

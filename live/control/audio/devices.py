@@ -1,7 +1,4 @@
-"""The sound devices of this machine, through PortAudio, which is loaded only when somebody asks for it.
-
-Rounds: a thread that looks after a device, and another one in its place when it hangs in the sound system.
-"""
+"""Audio devices of this machine through PortAudio, which is loaded only on use, and a watchdog for their threads."""
 
 import contextlib
 import re
@@ -16,44 +13,44 @@ from live.base.fault_isolation import keep_running, run_once
 from live.clock.time_source import Clock
 
 ANSWERS_WITHIN: Final = 5.0
-"""Seconds after which the sound system, asked by somebody else, counts as hung."""
+"""Seconds after which the sound system, called by another thread, counts as hung."""
 
 CLOSES_WITHIN: Final = 2.0
-"""Seconds that a stream may take to close before it is left behind."""
+"""Maximum seconds to close a stream before it is abandoned."""
 
 _guard = threading.Lock()
 _streams = 0
 
 
 class SoundUnavailable(RuntimeError):
-    """PortAudio, the library that reaches sound devices, is missing or broken; the message says how to get it."""
+    """PortAudio, the library for audio devices, is missing or broken; the message states the remedy."""
 
 
 class UnknownDevice(ValueError):
-    """No device of that name; the message lists those that there are."""
+    """No device has that name; the message lists the devices."""
 
 
 def device_refuses(error: Exception, option: str, name: str | None) -> PersonError:
-    """What a person is told of a device that does not start; `option` is the one that chose it."""
+    """Return the error for a device that does not start; `option` is the command line option that chose it."""
     return PersonError(f"the sound device {name!r} refuses: {error}", f"see `live devices`, or give another {option}")
 
 
 @dataclass(frozen=True, slots=True)
 class SoundDevice:
-    """One device: `index` is PortAudio's and changes from run to run, `name` stays."""
+    """One device. `index` is PortAudio's and changes between runs; `name` is stable."""
 
     index: int
     name: str
     host: str
-    """The sound system it belongs to (ALSA, JACK, Core Audio …)."""
+    """Its sound system (ALSA, JACK, Core Audio …)."""
     channels: int
     sample_rate: float
-    """The device's own rate [Hz]."""
+    """Native rate [Hz]."""
     default: bool
 
 
 def sounddevice() -> ModuleType:
-    """The sounddevice module; SoundUnavailable if PortAudio cannot be loaded."""
+    """Return the sounddevice module; SoundUnavailable if PortAudio cannot be loaded."""
     try:
         import sounddevice as module
     except OSError as error:
@@ -65,18 +62,18 @@ def sounddevice() -> ModuleType:
 
 
 def list_input_devices() -> list[SoundDevice]:
-    """The devices that can be listened to; SoundUnavailable if PortAudio is missing."""
+    """Return the input devices; SoundUnavailable if PortAudio is missing."""
     return _list("input")
 
 
 def list_output_devices() -> list[SoundDevice]:
-    """The devices that can be played to; SoundUnavailable if PortAudio is missing."""
+    """Return the output devices; SoundUnavailable if PortAudio is missing."""
     return _list("output")
 
 
 @contextlib.contextmanager
 def _alone() -> Iterator[None]:
-    """One at a time with PortAudio; SoundUnavailable if another thread's call never returns."""
+    """Hold the lock on PortAudio; SoundUnavailable if another thread's call never returns."""
     if not _guard.acquire(timeout=ANSWERS_WITHIN):
         raise SoundUnavailable("the sound system does not answer any more; restart it (PulseAudio: pulseaudio -k)")
     try:
@@ -86,15 +83,15 @@ def _alone() -> Iterator[None]:
 
 
 def lasting_name(name: str) -> str:
-    """A device's name without the number of its card, which changes when it is plugged in again."""
+    """Return a device's name without the card number, which changes when it is plugged in again."""
     return re.sub(r"\s*\(hw:\d+,\d+\)\s*$", "", name).casefold()
 
 
 def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
-    """The device with this index or name, or whose name contains `text` (case does not matter); None: the default.
+    """Return the device with this index or name, or whose name contains `text` (ignoring case); None: the default.
 
-    An exact name comes first, then the same name on another card (`hw:0,0` and `hw:1,0`), then a part of a name.
-    `kind` is "input" or "output". Raises UnknownDevice, which lists what there is.
+    An exact name comes first, then the same name on another card (`hw:0,0` and `hw:1,0`), then a part of a name. `kind`
+    is "input" or "output". Raises UnknownDevice with a list of the devices.
     """
     devices = _list(kind)
     if text is None:
@@ -114,9 +111,9 @@ def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
 
 
 def find_again(lost: SoundDevice, kind: str = "input") -> SoundDevice:
-    """The same device after it was away: its whole name, on whichever card, in its own sound system if several have it.
+    """Find a device again by its whole name, on any card, preferably in the same sound system.
 
-    Never one whose name merely contains it: that is another device. Raises UnknownDevice while it is not there.
+    A device whose name only contains it is another device. Raises UnknownDevice while it is absent.
     """
     chosen = _called(_list(kind), lost.name)
     if not chosen:
@@ -125,7 +122,7 @@ def find_again(lost: SoundDevice, kind: str = "input") -> SoundDevice:
 
 
 def _called(devices: list[SoundDevice], name: str) -> list[SoundDevice]:
-    """Those of exactly this name, else those of the same name on another card."""
+    """Return the devices with exactly this name, or else those with the same name on another card."""
     wanted = name.strip().casefold()
     return [device for device in devices if device.name.casefold() == wanted] or [
         device for device in devices if lasting_name(device.name) == lasting_name(name) != ""
@@ -133,9 +130,9 @@ def _called(devices: list[SoundDevice], name: str) -> list[SoundDevice]:
 
 
 def refresh() -> bool:
-    """Look for new devices; PortAudio must start anew for that, so it is done only while no stream of ours is open.
+    """Look for new devices; return whether this was possible.
 
-    Returns whether it was done. Thread: any.
+    PortAudio must be restarted for it, so no stream may be open. Thread: any.
     """
     module = sounddevice()
     with _alone():
@@ -162,7 +159,7 @@ def open_stream(kind: str, **options: Any) -> Any:
 
 
 def close_stream(stream: Any) -> None:
-    """Stop and close a stream of `open_stream`, dead or alive; one that hangs is left behind. Thread: any."""
+    """Stop and close a stream of `open_stream`, even a dead one; a hung one is abandoned. Thread: any."""
     closing = threading.Thread(
         target=lambda: run_once("closing a sound device", lambda: _close(stream)),
         name="closes a sound device",
@@ -205,37 +202,37 @@ def _list(kind: str) -> list[SoundDevice]:
 
 
 POLL: Final = 0.010
-"""Seconds from round to round."""
+"""Seconds between calls."""
 
 HUNG_AFTER: Final = 10.0
-"""A thread that has not come round for so many seconds hangs; a restart leaves it behind."""
+"""A thread without a new call for this many seconds counts as hung; a restart abandons it."""
 
 ENDS_WITHIN: Final = 2.0
-"""Seconds that a thread may take to end before it is left to itself."""
+"""Maximum seconds for a thread to end before it is abandoned."""
 
 
 class Rounds:
-    """Calls `turn` again and again, and `end` at last, in a thread of its own.
+    """Calls `turn` repeatedly, then `end`, in a thread that can be replaced when it hangs.
 
-    Whoever hung and comes back finds that `mine` is another's now, and ends without a word.
+    A hung thread that resumes finds that `mine` has been replaced, and ends.
     """
 
     def __init__(self, name: str, clock: Clock, turn: Callable[[], None], end: Callable[[], None]) -> None:
-        """Nothing is begun yet."""
+        """Configure the thread; it is not started yet."""
         self._name, self._clock, self._turn, self._end = name, clock, turn, end
         self.mine = threading.Event()
-        """Stands for the thread that is in force; set when it is to end. To be kept while the sound system is asked."""
+        """Identifies the current thread; set to stop it. Keep a reference while calling the sound system."""
         self.thread: threading.Thread | None = None
         self.round_at = 0.0
-        """When it last came round [s]."""
+        """Time of the last call [s]."""
 
     @property
     def hangs(self) -> bool:
-        """Whether the thread has not come round for long."""
+        """Whether the thread is hung."""
         return self.thread is not None and self._clock.now() - self.round_at > HUNG_AFTER
 
     def begin(self) -> None:
-        """A thread begins; one that there is is left behind."""
+        """Start a thread; an existing one is abandoned."""
         self.mine.set()
         self.mine = threading.Event()
         self.round_at = self._clock.now()
@@ -243,7 +240,7 @@ class Rounds:
         self.thread.start()
 
     def stop(self) -> None:
-        """End; a thread that hangs is left to itself."""
+        """Stop; a hung thread is abandoned."""
         self.mine.set()
         if self.thread is not None:
             self.thread.join(timeout=ENDS_WITHIN)

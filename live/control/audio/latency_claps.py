@@ -1,4 +1,4 @@
-"""How late pictures are seen: people clap with flashes, and their claps are heard."""
+"""Measurement of picture latency from people's claps in time with flashes."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -12,50 +12,50 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
 STEP: Final = 0.001
-"""Seconds of sound that one value of the envelope stands for."""
+"""Time step of the envelope [s]."""
 
 RISE: Final = 6.0
-"""A clap is so many times louder than what was there before ..."""
+"""A clap is this many times louder than the level before it …"""
 
 BEFORE: Final = 0.100
-"""... in this time [s]."""
+"""… in this time [s]."""
 
 REST: Final = 0.200
-"""Seconds after a clap in which no other is looked for: echoes, and hands that are not quite together."""
+"""Dead time after a clap [s], for echoes and hands that are not together."""
 
 FLOOR: Final = 1e-3
-"""Level under which nothing is a clap (full scale is 1)."""
+"""Minimum level of a clap (full scale is 1)."""
 
 HALF_WAY: Final = 0.2
-"""A clap begins where it has this share of its peak."""
+"""A clap begins at this share of its peak."""
 
 LEARNING: Final = 4
-"""Flashes that nobody is expected to meet yet."""
+"""Initial flashes that are not counted."""
 
 FEWEST: Final = 8
-"""Claps needed."""
+"""Minimum number of claps."""
 
 SPREAD_MAX: Final = 0.060
-"""Seconds by which claps may scatter (median distance from their median)."""
+"""Maximum scatter of claps [s] (median distance from their median)."""
 
 FAR: Final = 3.0
-"""Claps farther off than so many times that scatter are left out."""
+"""Claps beyond this multiple of the scatter are excluded."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClapOffset:
-    """How late claps came after their flashes."""
+    """Delay of claps after their flashes."""
 
     seconds: float
     """Median [s]."""
     spread: float
-    """Median distance from it [s]."""
+    """Median distance from the median [s]."""
     claps: int
-    """Claps that counted."""
+    """Number of claps used."""
 
 
 def find_claps(sound: Float32, sample_rate: float) -> Float64:
-    """Where claps begin in a sound of one channel, shape (n,) [s]."""
+    """Return the times of claps in a mono sound, shape (n,) [s]."""
     clean = np.nan_to_num(sound.astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0)
     step = max(round(STEP * sample_rate), 1)
     sharp = np.diff(clean, prepend=0.0) * (sample_rate / 20_000.0)  # claps are bright, halls rumble
@@ -77,9 +77,9 @@ def find_claps(sound: Float32, sample_rate: float) -> Float64:
 
 
 def clap_offset(claps: Float64, flashes: Float64) -> ClapOffset:
-    """How late `claps` come after `flashes` [s], both in order; each belongs to the flash nearest to it.
+    """Return the delay of `claps` after `flashes` [s], both in order; each clap belongs to the nearest flash.
 
-    PersonError with a remedy if there are too few, or if they scatter too much to say anything.
+    PersonError with a remedy if there are too few claps or they scatter too much.
     """
     counted = flashes[LEARNING:]
     late = np.array([clap - flashes[np.argmin(np.abs(flashes - clap))] for clap in claps if len(flashes)])
@@ -96,7 +96,7 @@ def clap_offset(claps: Float64, flashes: Float64) -> ClapOffset:
     kept = late[np.abs(late - middle) <= FAR * max(scatter, 0.005)]
     if scatter > SPREAD_MAX:
         raise PersonError(
-            f"the claps scatter by {1000 * scatter:.0f} ms: nothing can be told from them",
-            "clap with the flashes, several people together; what else is loud must rest",
+            f"the claps scatter by {1000 * scatter:.0f} ms: no delay can be measured",
+            "clap with the flashes, several people together, and stop other loud sounds",
         )
     return ClapOffset(float(np.median(kept)), scatter, len(kept))

@@ -1,7 +1,4 @@
-"""Calibration: how long sound takes from an output to an input, from sweeps that are played and heard again.
-
-The sound devices while they are calibrated: opened as a show opens them, and all that is heard is kept.
-"""
+"""Measurement of the audio round-trip latency from an output to an input with sine sweeps."""
 
 import time
 from collections.abc import Callable
@@ -23,32 +20,33 @@ Float64 = npt.NDArray[np.float64]
 
 SWEEP_SECONDS: Final = 0.08
 SWEEP_HZ: Final = (600.0, 6_000.0)
-"""Loudspeakers and microphones of any size hear this, and noise of a hall lies below."""
+"""Loudspeakers and microphones of any size cover this band; a hall's noise lies below it."""
 
 LEVEL: Final = 0.5
 FIRST: Final = 2.0
-"""Seconds of silence before the first sweep: sound servers fill their buffers, and the lines settle."""
+"""Seconds of silence before the first sweep, until sound servers have filled their buffers and the sample lines settle.
+"""
 
 APART: Final = (0.55, 0.85)
-"""Seconds between sweeps, drawn at random: a delay longer than one pause is told from a short one."""
+"""Seconds between sweeps, drawn at random, so that a delay longer than one pause is not ambiguous."""
 
 EARLIEST: Final = -0.05
 LATEST: Final = 1.5
-"""Delays that are looked for [s]; below 0 too, because nothing is known yet."""
+"""Range of delays searched [s]; it starts below 0 because no latency is known yet."""
 
 NEAR: Final = 0.030
-"""Seconds around the common delay in which each sweep is looked for."""
+"""Range around the common delay in which each sweep is searched [s]."""
 
 CLEAR: Final = 6.0
-"""How far a sweep's peak must stand above the median of what is around it."""
+"""Minimum ratio of a sweep's peak to the median around it."""
 
 SPREAD_MAX: Final = 0.010
-"""Seconds by which the sweeps may differ (interquartile range)."""
+"""Maximum spread of the sweeps [s] (interquartile range)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Train:
-    """Sweeps to be played: `times` [s] of their beginnings in `sound`, shape (n,), at `sample_rate` [Hz]."""
+    """Sweeps to play, starting at `times` [s] in `sound`, shape (n,), at `sample_rate` [Hz]."""
 
     sound: Float32
     times: Float64
@@ -57,33 +55,33 @@ class Train:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """What was heard while a train was played. Stamps are (frames handed over by then, time [s]) in order."""
+    """Recording made while a train was played. Stamps are (frames handed over, time [s]) in order."""
 
     sound: Float32
-    """One channel, shape (n,)."""
+    """Mono, shape (n,)."""
     sample_rate: float
     heard: list[tuple[int, float]]
-    """When how much of it was there."""
+    """Stamps of the recorded frames."""
     played: list[tuple[int, float]]
-    """When how much of the train had been handed to the output."""
+    """Stamps of the train's frames handed to the output."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoundTrip:
-    """Seconds from a sample handed to the output until it was there at the input."""
+    """Delay from handing a sample to the output until it arrives at the input [s]."""
 
     seconds: float
     """Median of all sweeps."""
     spread: float
-    """Half of the sweeps lie within this of each other [s]."""
+    """Interquartile range of the sweeps [s]."""
     heard: int
-    """Sweeps that were heard clearly ..."""
+    """Number of sweeps clearly detected …"""
     of: int
-    """... of so many."""
+    """… of this number."""
 
 
 def sweep(sample_rate: float) -> Float64:
-    """The sound that is played, shape (n,): a sweep, louder and softer with a Hann window."""
+    """Return the sweep, shape (n,), with a Hann window."""
     t = np.arange(round(SWEEP_SECONDS * sample_rate)) / sample_rate
     low, high = SWEEP_HZ
     phase = 2.0 * np.pi * (low * t + 0.5 * (high - low) * t * t / SWEEP_SECONDS)
@@ -91,7 +89,7 @@ def sweep(sample_rate: float) -> Float64:
 
 
 def sweep_train(sample_rate: float, repeats: int, seed: int = 1) -> Train:
-    """`repeats` sweeps with pauses drawn from `seed`, silence before and after."""
+    """Return `repeats` sweeps with random pauses from `seed`, and silence before and after."""
     pauses = np.random.default_rng(seed).uniform(*APART, repeats)
     times = FIRST + np.concatenate([[0.0], np.cumsum(pauses[:-1])])
     sound = np.zeros(int((times[-1] + LATEST + 0.5) * sample_rate), np.float32)
@@ -103,13 +101,13 @@ def sweep_train(sample_rate: float, repeats: int, seed: int = 1) -> Train:
 
 
 def measure(train: Train, recording: Recording) -> RoundTrip:
-    """The round trip; PersonError with a remedy if the sweeps were not heard, or differ too much."""
+    """Return the round trip; PersonError with a remedy if the sweeps were not detected, or differ too much."""
     rate = recording.sample_rate
     begun = _times(recording.played, train.times * train.sample_rate, train.sample_rate)
     level = float(np.nanmax(np.abs(recording.sound), initial=0.0)) if recording.sound.size else 0.0
     if level < 1e-5:
         raise PersonError(
-            "nothing at all was heard", "plug the input in, unmute it, and choose its channel with --audio-channel"
+            "the recording is silent", "plug the input in, unmute it, and choose its channel with --audio-channel"
         )
     size = int((LATEST - EARLIEST) * rate)
     where = _frames(recording.heard, begun + EARLIEST, rate)
@@ -124,19 +122,19 @@ def measure(train: Train, recording: Recording) -> RoundTrip:
     if len(delays) < max(3, len(begun) // 2):
         raise PersonError(
             f"only {len(delays)} of {len(begun)} sweeps were heard",
-            "turn the loudspeakers up, bring the microphone nearer, and have it quiet meanwhile",
+            "turn the loudspeakers up, bring the microphone nearer, and keep the hall quiet",
         )
     low, median, high = np.quantile(delays, [0.25, 0.5, 0.75])
     if high - low > SPREAD_MAX:
         raise PersonError(
-            f"the sweeps were heard {1000 * (high - low):.0f} ms apart: no delay can be told from that",
+            f"the sweeps were heard {1000 * (high - low):.0f} ms apart: no delay can be measured",
             "end other programs that use the sound or the processor, and measure again",
         )
     return RoundTrip(float(median), float(high - low), len(delays), len(begun))
 
 
 def _times(stamps: list[tuple[int, float]], frames: Float64, rate: float) -> Float64:
-    """When each of `frames` was handed over: by the line as it lay a second later, as a show would say then."""
+    """Return the times at which `frames` were handed over, by the line as fitted one second later, as in a show."""
     line, times, at = SampleClock(rate), np.zeros(len(frames)), 0
     for index, frame in enumerate(frames):
         while at < len(stamps) and stamps[at][0] < frame + rate:
@@ -147,7 +145,7 @@ def _times(stamps: list[tuple[int, float]], frames: Float64, rate: float) -> Flo
 
 
 def _frames(stamps: list[tuple[int, float]], times: Float64, rate: float) -> Float64:
-    """Which frame was there at each of `times`."""
+    """Return the frame that arrived at each of `times`."""
     line, frames, at = SampleClock(rate), np.zeros(len(times)), 0
     for index, moment in enumerate(times):
         while at < len(stamps) and stamps[at][1] < moment + 1.0:
@@ -158,9 +156,9 @@ def _frames(stamps: list[tuple[int, float]], times: Float64, rate: float) -> Flo
 
 
 def _matches(sound: Float32, where: Float64, size: int, rate: float) -> Float64:
-    """How well a sweep fits, for each of `size` delays in samples after each frame of `where`, (sweeps, size).
+    """Return the match of the sweep for `size` delays in samples after each frame of `where`, (sweeps, size).
 
-    The magnitude of the analytic correlation: a reversed polarity, or a filter's phase, moves no peak.
+    It is the magnitude of the analytic correlation, so reversed polarity or a filter's phase moves no peak.
     """
     one = sweep(rate)
     length = 1 << int(np.ceil(np.log2(size + 2 * one.size)))
@@ -178,7 +176,7 @@ def _matches(sound: Float32, where: Float64, size: int, rate: float) -> Float64:
 
 
 def _between(row: Float64, peak: int) -> float:
-    """The place of a peak between samples: the top of a parabola through it and its neighbours."""
+    """Return a peak's position between samples, from a parabola through it and its neighbours."""
     if not 0 < peak < len(row) - 1:
         return float(peak)
     before, at, after = row[peak - 1 : peak + 2]
@@ -187,16 +185,16 @@ def _between(row: Float64, peak: int) -> float:
 
 
 BEGINS_WITHIN: Final = 5.0
-"""Seconds that devices may take until they begin."""
+"""Maximum seconds until devices start."""
 
 Stamps = list[tuple[int, float]]
 
 
 class Microphone:
-    """Records an input from being opened to being closed, for `seconds` at most."""
+    """Records an input from opening to closing, for at most `seconds`."""
 
     def __init__(self, device: SoundDevice, channels: Channels, seconds: float, clock: Clock) -> None:
-        """Opens it; PersonError if it refuses or lacks the channels."""
+        """Open the input; PersonError if it refuses or lacks the channels."""
         missing = channels.missing(device.channels)
         if missing:
             raise PersonError(f"{device.name}: {missing}", "choose others with --audio-channel, see `live devices`")
@@ -231,17 +229,17 @@ class Microphone:
 
     @property
     def full(self) -> bool:
-        """Whether no more fits."""
+        """Whether the recording is full."""
         return self._count >= len(self._sound)
 
     def sound(self) -> npt.NDArray[np.float32]:
-        """What was heard so far, as one channel, shape (n,)."""
+        """Return the recording so far as mono, shape (n,)."""
         mixer = Mixer(range(len(self._chosen)), self.sample_rate, BLOCK)
         blocks = [self._sound[at : min(at + BLOCK, self._count)] for at in range(0, self._count, BLOCK)]
         return np.concatenate([mixer.mix(block).copy() for block in blocks] or [np.zeros(0, np.float32)])
 
     def time_of(self, seconds: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """When what lies at `seconds` of the sound was there [s of the clock]."""
+        """Return the times at which these positions of the sound arrived [s of the clock]."""
         line, at, times = SampleClock(self.sample_rate), 0, np.zeros(len(seconds))
         for index, frame in enumerate(seconds * self.sample_rate):
             while at < len(self.stamps) and self.stamps[at][0] < frame + self.sample_rate:
@@ -254,7 +252,7 @@ class Microphone:
 def play_and_record(
     train: Train, output: SoundDevice, microphone: Microphone, clock: Clock, wait: Callable[[float], None] = time.sleep
 ) -> tuple[Recording, float | None]:
-    """Play the train and record it meanwhile; also the output's own idea of its delay [s], None if it has no sane one.
+    """Play the train and record it; return also the output's reported latency [s], None if it is implausible.
 
     PersonError if the output refuses, or a device delivers nothing.
     """
@@ -295,11 +293,11 @@ def play_and_record(
 def _opened(kind: str, device: SoundDevice, **options: Any) -> Any:
     try:
         return open_stream(kind, device=device.index, dtype="float32", **options)
-    except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+    except Exception as error:  # PortAudioError, whose class exists only with PortAudio
         raise PersonError(f"the sound {kind} {device.name!r} refuses: {error}", "see `live devices`") from None
 
 
 def _reported(stream: Any) -> float | None:
-    """What a device says of its delay [s]; None for the nonsense that some say."""
+    """Return a device's reported latency [s]; None if it is implausible."""
     latency = float(stream.latency)
     return latency if 0.0 < latency < 1.0 else None

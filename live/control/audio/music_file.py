@@ -1,4 +1,4 @@
-"""Music from a file: decoded once into memory, and followed offline sample by sample."""
+"""Music files: decoding into memory, and offline analysis."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,17 +12,19 @@ from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
 from live.control.events.events import ControlEvent, One, SourceChanged
 
 LONGEST: Final = 3.0 * 3600.0
-"""Longest music [s]; it is kept in memory, 21 MB a minute in stereo."""
+"""Maximum duration [s]; music is kept in memory, 21 MB per minute in stereo."""
 
 SHORTEST: Final = 0.1
 
 TOLD_AHEAD: Final = 30.0
-"""A known first downbeat is told so long before it is heard [s]: a score that begins with it is not to be late, and a
-tracker is not to move the measure lines before it."""
+"""Lead time of a known first downbeat [s].
+
+It is announced early so that a score that starts with it is not late, and no tracker moves the measure lines before it.
+"""
 
 
 class MusicFileError(ValueError):
-    """A file that cannot be played; the message names the file, what is wrong and what to do."""
+    """A file that cannot be played; the message states the file, the problem and the remedy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,11 +36,11 @@ class Music:
 
     @property
     def duration(self) -> float:
-        """Seconds."""
+        """Duration [s]."""
         return float(self.samples.shape[0] / self.sample_rate)
 
     def block(self, start: int, count: int, loop: bool) -> npt.NDArray[np.float32]:
-        """`count` frames from `start` on, shape (≤ count, channels); the end meets the beginning if it loops."""
+        """Return `count` frames from `start` on, shape (≤ count, channels); they wrap around if the music loops."""
         length = self.samples.shape[0]
         if not loop:
             return self.samples[start : start + count]
@@ -49,11 +51,11 @@ class Music:
 
 
 def read_music(path: Path | str) -> Music:
-    """Decode the first sound stream of any file that FFmpeg reads; more than two channels are mixed to stereo.
+    """Decode the first audio stream of any file that FFmpeg reads; more than two channels are mixed to stereo.
 
-    Raises MusicFileError for a file that is missing, is no music, holds no sound, or is longer than three hours.
+    Raises MusicFileError for a file that is missing, no music, without sound, or longer than three hours.
     """
-    import av  # not at the top: it loads FFmpeg (0.2 s), and a show that listens to a device does not need it
+    import av  # not at the top: it loads FFmpeg (0.2 s), which live input does not need
 
     path = Path(path)
     if path.is_dir():
@@ -116,9 +118,9 @@ def _too_long(path: Path) -> MusicFileError:
 
 
 class OfflineMusic:
-    """Follows music without playing it: the events that a player would have put by a given time of the show.
+    """Analyses music without playing it: returns the events that a player would have sent by a given time of the show.
 
-    The first sample is heard at `begin` [s]. The events depend only on the music, not on how it is asked for.
+    The first sample is heard at `begin` [s]. The events depend only on the music, not on the intervals of the calls.
     """
 
     def __init__(
@@ -130,7 +132,8 @@ class OfflineMusic:
         one_at: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
-        """`one_at` [s of the music] is the first downbeat, if that is known: it is told as One, TOLD_AHEAD before."""
+        """`one_at` [s of the music]: the first downbeat, if known; it is announced as One, TOLD_AHEAD
+        seconds before."""
         self._music = music
         self._loop = loop
         self._begin = begin
@@ -144,11 +147,11 @@ class OfflineMusic:
 
     @property
     def ended(self) -> bool:
-        """Whether the music is over (never, if it loops)."""
+        """Whether the music has ended (never, if it loops)."""
         return self._ended
 
     def events_until(self, time: float) -> list[ControlEvent]:
-        """The events from the last call up to `time` [s], in order."""
+        """Return the events from the last call up to `time` [s], in order."""
         events: list[ControlEvent] = []
         wanted = int((time - self._begin) * self._music.sample_rate)
         if wanted >= 0:

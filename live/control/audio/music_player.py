@@ -1,4 +1,4 @@
-"""MusicPlayer: plays music and follows exactly what is heard of it at this moment."""
+"""Music player with analysis in sync with the audible position."""
 
 import threading
 from typing import Any, Final
@@ -17,28 +17,28 @@ from live.control.events.events import BeatHeard, ControlEvent, One, SourceChang
 
 POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
-"""Seconds without a callback after which the output counts as gone."""
+"""Seconds without a callback after which the output counts as lost."""
 
 FIRST_SOUND: Final = 3.0
-"""Seconds after the start in which a sound server may still fill its buffers and then pause."""
+"""Seconds after the start in which a sound server may fill its buffers and pause."""
 
 STEADY_AFTER: Final = 1.0
-"""Seconds after which it can be said when a sample will be heard, if the server does not pause again;"""
+"""Seconds until a sample's time can be predicted, if the server does not pause again."""
 ONE_OFF: Final = 0.02
-"""what was said is said anew if it was wrong by so much [s]."""
+"""The prediction is repeated if it was wrong by this much [s]."""
 
 STAMPS: Final = 512
 CATCH_UP: Final = 1.0
-"""A stall longer than this [s] is not analysed afterwards, but left out."""
+"""Sound missed in a stall longer than this [s] is not analysed."""
 
 ANEW_AFTER: Final = 1.0
-"""Seconds after a failure of the analysis until it is begun anew."""
+"""Seconds from a failure of the analysis to its restart."""
 
 
 class MusicPlayer:
-    """Plays through a sound output if there is one, else silently by the clock; events are the same either way.
+    """Plays through an audio output if there is one, else silently by the clock; the events are the same.
 
-    If the output goes away the music runs on unheard: the dancers do not stop because a cable came loose.
+    If the output is lost, the music continues silently, so that the dancers do not stop for a loose cable.
     """
 
     def __init__(
@@ -55,28 +55,28 @@ class MusicPlayer:
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
-        `one_at` [s of the music] is the first downbeat, where that is known: it is told as One, TOLD_AHEAD before, or
-        as soon as it is known when it is heard; and once more with the first beat after it, if that has changed.
+        `one_at` [s of the music]: the first downbeat, if known. It is announced as One TOLD_AHEAD seconds before, or as
+        soon as its time is known; and once more with the first beat after it, if the time has changed.
 
-        `latency` [s]: from a sample handed over until it is heard; None: what the device says.
-        Raises UnknownDevice for an output that was named and is not there.
+        `latency` [s]: delay from handing over a sample until it is heard; None: the device's reported latency. Raises
+        UnknownDevice for a named output that is absent.
         """
         self._music = music
         self._inbox = inbox
         self._clock = clock
         self._loop = loop
         self.latency = latency
-        """From a sample handed over until it is heard [s], None: what the device says; it may be changed meanwhile."""
+        """Delay from handing over a sample until it is heard [s]; None: the device's. It may be changed at any time."""
         self._one_at = one_at
         self._one_told: float | None = None
         self.output_problem = ""
-        """Why the music is not heard; empty if it is."""
+        """Description of why the music is not audible; empty if it is."""
         self.crashes = 0
-        """How often the analysis failed and was begun anew ..."""
+        """Number of times the analysis failed and was restarted …"""
         self.failure = ""
-        """... and the last failure in words."""
+        """… and the latest failure."""
         self.ended = False
-        """Whether the music is over (never, if it loops)."""
+        """Whether the music has ended (never, if it loops)."""
         self._device = self._find(output)
         self._stream: Any = None
         self._thread: threading.Thread | None = None
@@ -100,11 +100,11 @@ class MusicPlayer:
 
     @property
     def _delay(self) -> float:
-        """From a sample handed over until it is heard [s]."""
+        """Delay from handing over a sample until it is heard [s]."""
         return self._reported if self.latency is None else self.latency
 
     def facts(self) -> dict[str, Any]:
-        """What the operator is told of the output, for the status. Thread: any."""
+        """Return facts on the output for the operator's status. Thread: any."""
         return {
             "device": None if self._device is None else self._device.name,
             "sample_rate": self._music.sample_rate,
@@ -117,7 +117,7 @@ class MusicPlayer:
         }
 
     def start(self, begun: float | None = None) -> None:
-        """Play from the beginning, or go on with what `begun` [s] then, unheard since.
+        """Play from the beginning, or continue silently elapsed music that began at `begun` [s].
 
         An output that refuses is no error: see `output_problem`.
         """
@@ -138,15 +138,15 @@ class MusicPlayer:
             self._thread = None
 
     def position(self, time: float) -> float:
-        """Seconds of the music heard until `time` [s], not less than 0; it goes on counting in loops. Thread: any."""
+        """Return the seconds of music heard until `time` [s], at least 0; in loops it keeps counting. Thread: any."""
         if self._stream is None or self._stamps_read < 1:
             return max(time - self._begin, 0.0)
-        # What was never handed to the device is not heard, wherever the line points while a server fills its buffers.
+        # Limited to samples handed to the device: the line is unreliable while a server fills its buffers.
         return min(max(self._line.frame_at(time - self._delay), 0.0), float(self._played)) / self._music.sample_rate
 
     def _find(self, output: bool | str | int) -> Any:
         if output is False:
-            self.output_problem = "no output was asked for"
+            self.output_problem = "no output was requested"
             return None
         try:
             return find_device(None if output is True else output, "output")
@@ -163,7 +163,7 @@ class MusicPlayer:
         played = min(channels, self._device.channels)
 
         def callback(out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
-            # Stamped first: the callback asks for `frames` more when those before have been handed over.
+            # Stamped first: the callback requests `frames` more once the previous ones are handed over.
             slot = self._stamps % STAMPS
             self._stamp_frame[slot], self._stamp_time[slot] = self._played, self._clock.now()
             self._stamps += 1
@@ -182,7 +182,7 @@ class MusicPlayer:
                 latency="high",
                 callback=callback,
             )
-        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+        except Exception as error:  # PortAudioError, whose class exists only with PortAudio
             self.output_problem = f"{self._device.name} does not play: {error}"
             return
         reported = float(self._stream.latency)
@@ -217,12 +217,12 @@ class MusicPlayer:
         if now - self._alive_at > (LOST_AFTER if now - self._begin > FIRST_SOUND else FIRST_SOUND):
             self._begin = now - self.position(now)
             self._close()
-            self.output_problem = f"{self._device.name} went away; the music runs on unheard"
+            self.output_problem = f"{self._device.name} was lost; the music continues silently"
             for state in ("lost", "found"):
                 self._inbox.put(SourceChanged(time=now, source="audio", state=state, detail=self.output_problem))
 
     def _analyse_safely(self, now: float) -> None:
-        """Analyse; when that fails the music plays on, and what is heard a second later is analysed anew."""
+        """Analyse; after a failure the music plays on, and analysis restarts a second later."""
         if self._anew_at is not None and now < self._anew_at:
             return
         try:
@@ -255,7 +255,7 @@ class MusicPlayer:
             self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
 
     def _tell_one(self, now: float, *, heard: bool) -> None:
-        """When the known downbeat will be heard, before the score begins with it; `heard`: a beat was."""
+        """Announce the time of the known downbeat before it is heard; `heard`: a beat was heard."""
         if self._one_at is None:
             return
         position = self.position(now)
@@ -266,7 +266,7 @@ class MusicPlayer:
         elif not heard or position < self._one_at:
             return
         else:
-            self._one_at = None  # that was the last word
+            self._one_at = None  # this was the final announcement
         if self._one_told is None or abs(time - self._one_told) > ONE_OFF:
             self._inbox.put(One(time=time, source="audio"))
         self._one_told = time

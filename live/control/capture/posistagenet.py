@@ -1,13 +1,11 @@
-"""PosiStageNet 2: packets of a tracking system as places of trackers and their names.
+"""PosiStageNet 2 decoder and UDP input: positions and names of trackers from a tracking system.
 
-Little endian; a packet is one chunk, a chunk a header of 32 bits (16 of an identity, 15 of a length, 1 that says
-whether chunks are within) and its data. Of data packets the place of each tracker is read and whether it is valid, of
-info packets the names; chunks that are not known are passed over, as the protocol wants it. A packet whose chunks do
-not fit into each other is refused whole, a tracker whose numbers cannot be for itself alone; both are counted.
+The format is little endian. A packet is one chunk. A chunk has a 32-bit header (16 bits identity, 15 bits length, 1 bit
+for nested chunks) and data. Data packets give each tracker's position and validity, info packets the names. Unknown
+chunks are skipped, as the protocol requires. A packet with inconsistent chunk sizes is refused as a whole, a tracker
+with invalid numbers on its own; both are counted. The show gets at most one position of each tracker per frame.
 
 Source: PosiStageNet protocol 2.03 (VYV, MA Lighting).
-
-PosiStageNet over UDP: where trackers are goes into the show's inbox, of each the newest place of a frame.
 """
 
 import ipaddress
@@ -28,9 +26,9 @@ from live.control.osc.osc_socket import CannotListen, bound_socket
 from live.control.registry.rejections import Reason, Tally
 
 MAX_PACKET_BYTES: Final = 8192
-"""The protocol sends 1500 at most."""
+"""The protocol sends at most 1500."""
 FARTHEST: Final = 1000.0
-"""No tracker is farther from the origin [m]."""
+"""Maximum coordinate of a tracker [m]."""
 NAME_LENGTH: Final = 64
 DATA: Final = 0x6755
 INFO: Final = 0x6756
@@ -50,7 +48,7 @@ Place = tuple[float, float, float]
 
 
 class PsnRefused(Exception):
-    """A packet that is refused as a whole, for `reason`."""
+    """A packet refused as a whole, for `reason`."""
 
     def __init__(self, reason: Reason) -> None:
         super().__init__(reason)
@@ -59,22 +57,22 @@ class PsnRefused(Exception):
 
 @dataclass(frozen=True, slots=True)
 class PsnPacket:
-    """What one packet says."""
+    """Content of one packet."""
 
     time: int
     """The server's time of the frame [µs]."""
     frame: int
     packets: int
-    """Packets that the frame has."""
+    """Number of packets of the frame."""
     places: dict[int, Place] = field(default_factory=dict)
-    """Where trackers are, by their numbers, in the system's axes [m]; only of those that are valid."""
+    """Positions of valid trackers by number, in the system's axes [m]."""
     names: dict[int, str] = field(default_factory=dict)
-    """What trackers are called."""
+    """Names of trackers by number."""
     is_data: bool = True
 
 
 def read_psn(data: bytes, tally: Tally) -> PsnPacket | None:
-    """What a packet says; None, counted, if it is refused."""
+    """Decode a packet; None, counted, if it is refused."""
     try:
         if not 0 < len(data) <= MAX_PACKET_BYTES:
             raise PsnRefused(Reason.PACKET_SIZE)
@@ -90,11 +88,11 @@ def read_psn(data: bytes, tally: Tally) -> PsnPacket | None:
 
 
 Chunk = tuple[int, int, int, bool]
-"""Identity, where its data begins and ends, whether chunks are within."""
+"""Identity, begin and end of its data, and whether it has nested chunks."""
 
 
 def _chunks(data: bytes, start: int, stop: int, most: int = 512) -> Iterator[Chunk]:
-    """The chunks that fill data[start:stop]; PsnRefused where one does not fit."""
+    """Return the chunks that fill data[start:stop]; PsnRefused if one does not fit."""
     while start < stop:
         if start + _CHUNK.size > stop or most <= 0:
             raise PsnRefused(Reason.TRUNCATED if most > 0 else Reason.TRAILING)
@@ -107,7 +105,7 @@ def _chunks(data: bytes, start: int, stop: int, most: int = 512) -> Iterator[Chu
 
 
 def _within(data: bytes, chunk: Chunk) -> Iterator[Chunk]:
-    """The chunks within one that must have some; PsnRefused if it is said to have none."""
+    """Return the nested chunks of one that must have some; PsnRefused if it has none."""
     if not chunk[3]:
         raise PsnRefused(Reason.WRONG_TYPE)
     return _chunks(data, chunk[1], chunk[2])
@@ -141,7 +139,7 @@ def _packet(data: bytes, root: Chunk, tally: Tally) -> PsnPacket:
 
 
 def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
-    """Where a tracker is; None if it does not say, says that it does not know, or (counted) what cannot be."""
+    """Return a tracker's position; None if it is missing, marked as invalid, or (counted) impossible."""
     place: Place | None = None
     valid = True
     for identity, begin, end, nested in _within(data, tracker):
@@ -165,7 +163,7 @@ def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
 
 
 def _name(data: bytes, tracker: Chunk, tally: Tally) -> str | None:
-    """What a tracker is called; None if it is not said, or (counted) is no name."""
+    """Return a tracker's name; None if it is missing or (counted) invalid."""
     for identity, begin, end, nested in _within(data, tracker):
         if identity != _NAME:
             continue
@@ -186,29 +184,29 @@ GROUP: Final = "236.10.10.10"
 PORT: Final = 56565
 MOST_TRACKERS: Final = 128
 STILL: Final = 0.002
-"""A tracker that has moved less than this [m] is told again only after ..."""
+"""A tracker that has moved less than this [m] is sent again only after …"""
 STILL_S: Final = 0.1
-"""... so many seconds, as a sign that it is there."""
+"""… this time [s], as a sign that it is present."""
 THIN: Final = 0.75 * TICK
-"""Places that come sooner after another [s] are left out: the show takes one a tick."""
+"""Positions less than this [s] after the previous one are dropped: the show uses one per tick."""
 OLD_US: Final = 10_000_000
-"""A frame that is older than the last one by less than this [µs] comes late; by more, the server began anew."""
+"""A frame older than the last one by less than this [µs] is late; by more, the server has restarted."""
 
 
 class PsnFrames:
-    """Puts the packets of frames together. Thread: one."""
+    """Joins the packets of frames. Thread: one."""
 
     def __init__(self, tally: Tally) -> None:
         self._tally = tally
         self._places: dict[int, Place] = {}
         self._frame, self._seen, self._time = -1, 0, -OLD_US
         self.names: dict[int, str] = {}
-        """What trackers are called, by their numbers."""
+        """Names of trackers by number."""
         self.frames = 0
         """Frames so far."""
 
     def take(self, packet: PsnPacket) -> dict[int, Place]:
-        """Take up a packet; returns the places of a frame that is whole now, or that another one has ended."""
+        """Handle a packet; return the positions of a frame that is complete, or ended by the next frame."""
         if not packet.is_data:
             for number, name in packet.names.items():
                 if number in self.names or len(self.names) < MOST_TRACKERS:
@@ -219,7 +217,7 @@ class PsnFrames:
             return {}
         ended: dict[int, Place] = {}
         if (packet.frame, packet.time) != (self._frame, self._time):
-            ended, self._places = self._places, {}  # what is left of a frame that lost a packet
+            ended, self._places = self._places, {}  # the remainder of a frame that lost a packet
             self._frame, self._time, self._seen = packet.frame, packet.time, 0
         self._places |= packet.places
         self._seen += 1
@@ -237,11 +235,13 @@ class _Told:
 
 
 class PsnInput(CaptureInput):
-    """Receives PosiStageNet at a port, of a multicast group or not, and puts trackers' places into `lane`."""
+    """Receives PosiStageNet on a port, optionally of a multicast group, and puts tracker positions into `lane`."""
 
     def __init__(self, host: str, port: int, interface: str, lane: Lane[ControlEvent], clock: Clock) -> None:
-        """Nothing is opened yet. `interface`: the address of the network card on which a group is joined; empty: the
-        one that the system chooses."""
+        """Configure the input; nothing is opened yet.
+
+        `interface`: address of the network card on which to join a group; empty: chosen by the system.
+        """
         super().__init__("psn", clock, MAX_PACKET_BYTES)
         self._host, self._port, self._interface, self._lane = host, port, interface, lane
         self._frames = PsnFrames(self.rejected)
@@ -266,7 +266,7 @@ class PsnInput(CaptureInput):
             self._tell(number, place, now)
 
     def _tell(self, number: int, place: Place, now: float) -> None:
-        """Where a tracker is, if that is news."""
+        """Send a tracker's position if it has changed enough."""
         told = self._told.get(number)
         if told is None:
             if len(self._told) >= MOST_TRACKERS:
@@ -279,11 +279,11 @@ class PsnInput(CaptureInput):
             return
         told.place, told.time = place, now
         name = self._frames.names.get(number, str(number))
-        x, y, z = (round(value, 4) for value in place)  # what the journal has is what the show sees
+        x, y, z = (round(value, 4) for value in place)  # the journal stores the same values that the show uses
         self._lane.put(TrackerMoved(time=now, source="psn", tracker=name, x=x, y=y, z=z))
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return facts for the status."""
         now = self.clock.now()
         trackers = {
             self._frames.names.get(number, str(number)): round(now - told.time, 2)
@@ -293,10 +293,10 @@ class PsnInput(CaptureInput):
 
 
 def _group_socket(group: str, port: int, interface: str) -> socket.socket:
-    """A socket that hears a multicast group; CannotListen if that cannot be."""
+    """Return a socket in a multicast group; CannotListen if that fails."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # others may hear the group, too
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # others may also join the group
         sock.setblocking(False)
         sock.bind((group, port))
         member = struct.pack("4s4s", socket.inet_aton(group), socket.inet_aton(interface or "0.0.0.0"))
@@ -304,7 +304,7 @@ def _group_socket(group: str, port: int, interface: str) -> socket.socket:
     except OSError as error:
         sock.close()
         raise CannotListen(
-            f"PosiStageNet cannot be heard on {group}:{port}: {error.strerror or error}; is there a network? "
+            f"PosiStageNet cannot be received on {group}:{port}: {error.strerror or error}; is there a network? "
             f"--psn {group}:{port}@ADDRESS names the card by its address"
         ) from None
     return sock

@@ -1,4 +1,4 @@
-"""CaptureInput: what hears a capture system over UDP: one thread for all its ports, within bounds."""
+"""Rate-limited UDP receiver of a motion capture system, with one thread for all its ports."""
 
 import selectors
 import socket
@@ -12,23 +12,23 @@ from live.control.osc.udp_batch import Datagrams
 from live.control.registry.rejections import Reason, Tally
 
 FLOOD: Final = 2000
-"""Datagrams in a tenth of a second that are read ..."""
+"""Maximum datagrams read …"""
 WINDOW: Final = 0.1
-"""... and for how long [s] the others are not."""
+"""… in a window of this length [s]; further ones are dropped."""
 _PAUSE_S: Final = 0.05
 
 
 class CaptureInput:
-    """Receives datagrams and hands them to `hear`. Subclasses say how sockets are opened, and hear.
+    """Receives datagrams and passes them to `hear`. Subclasses implement `open` and `hear`.
 
     Thread: its own daemon thread receives; all counters may be read from any thread.
     """
 
     def __init__(self, name: str, clock: Clock, largest: int) -> None:
-        """Nothing is opened yet. `name`: the thread's; `largest`: bytes of a datagram at most."""
+        """Configure the input; nothing is opened yet. `name`: the thread's; `largest`: maximum bytes of a datagram."""
         self.clock, self._name, self._largest = clock, name, largest
         self.rejected = Tally()
-        """What was refused, by reason."""
+        """Refused datagrams by reason."""
         self.received = 0
         """Datagrams read."""
         self._sockets: list[socket.socket] = []
@@ -39,15 +39,15 @@ class CaptureInput:
         self._lost = 0
 
     def open(self) -> list[socket.socket]:
-        """The sockets to be heard; CannotListen, with the remedy, if that cannot be."""
+        """Return the sockets to receive from; CannotListen, with the remedy, if that fails."""
         raise NotImplementedError
 
     def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
-        """A datagram of `sender` has come to `port` at `now` [s]. Thread: the input's own."""
+        """Handle a datagram of `sender` received on `port` at `now` [s]. Thread: the input's own."""
         raise NotImplementedError
 
     def start(self) -> None:
-        """Bind all ports and begin to receive; CannotListen, with the remedy, if that cannot be."""
+        """Bind all ports and start receiving; CannotListen, with the remedy, if that fails."""
         self._sockets = self.open()
         self._wake = socket.socketpair()
         self._stopping.clear()
@@ -55,7 +55,7 @@ class CaptureInput:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and free the ports; harmless if it never started."""
+        """Stop the thread and free the ports; harmless if it never started."""
         if self._thread is not None and self._wake is not None:
             self._stopping.set()
             self._wake[1].send(b"\0")
@@ -70,12 +70,12 @@ class CaptureInput:
 
     @property
     def ports(self) -> list[int]:
-        """The ports it really receives on."""
+        """The ports actually in use."""
         return [int(each.getsockname()[1]) for each in self._sockets]
 
     @property
     def lost(self) -> int:
-        """Datagrams that the system dropped because nobody read them in time."""
+        """Datagrams that the system dropped because they were not read in time."""
         return self._lost if not self._sockets else sum(dropped_by(each) for each in self._sockets)
 
     def _run(self) -> None:
@@ -94,10 +94,10 @@ class CaptureInput:
                         self.receive(*key.data)
 
     def receive(self, datagrams: Datagrams, port: int) -> None:
-        """Read what is there, within bounds."""
+        """Read the available datagrams within the limits."""
         try:
             found = datagrams.read()
-        except OSError:  # a network that went away: the show goes on
+        except OSError:  # the network is gone; the show continues
             self.rejected.count(Reason.SOCKET)
             self._stopping.wait(_PAUSE_S)
             return
@@ -111,12 +111,12 @@ class CaptureInput:
                 continue
             try:
                 self.hear(data, sender, port, now)
-            except Exception:  # whatever a datagram may bring to light, the next one is heard
+            except Exception:  # no datagram may prevent the next one from being handled
                 self.rejected.count(Reason.INTERNAL)
-        self.received += len(found)  # last, so that whoever sees it sees what became of them
+        self.received += len(found)  # last, so that the other counters are complete when a reader sees it
         if self._read > FLOOD:
             self._stopping.wait(max(self._window + WINDOW - now, 0.001))
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return facts for the status."""
         return {"received": self.received, "lost": self.lost, "refused": self.rejected.as_dict()}

@@ -1,9 +1,4 @@
-"""VMC over UDP: what real dancers do goes into the show's inbox, whoever sends from wherever.
-
-Seats: which performer a sender of live motion capture is: by the port she sends to, by her machine, or by turn.
-
-VmcStream: one sender's bones, put together to whole poses and stamped with the time at which they were taken.
-"""
+"""VMC input over UDP: assigns senders to performers and assembles their bones into time-stamped poses."""
 
 import math
 import socket
@@ -27,43 +22,43 @@ from live.motion.capture.captured_body import CapturedBody
 from live.motion.skeleton import JOINT_COUNT
 
 ALONE: Final = "live"
-"""The performer's name where the patch names none."""
+"""The performer's name where the patch has none."""
 GONE_AFTER: Final = 2.0
-"""Who has sent nothing for so long [s] leaves her place to another sender."""
+"""A sender that is silent for this long [s] loses its seat to another one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Seat:
-    """A performer of the patch, and what is said of where she sends from."""
+    """A performer of the patch, with the conditions on the sender."""
 
     name: str
     port: int = 0
-    """Her own port here; 0: any."""
+    """The performer's own port here; 0: any."""
     sender: str = ""
-    """The address of her machine; empty: any."""
+    """Address of the performer's computer; empty: any."""
     floor: bool = True
-    """Whether her feet are brought down to the floor."""
+    """Whether the feet are moved down to the floor."""
 
     def suits(self, port: int, host: str) -> bool:
-        """Whether a sender at `host` who sends to `port` may be her."""
+        """Whether a sender at `host` that sends to `port` may be this performer."""
         return self.port in (0, port) and self.sender in ("", host)
 
     @property
     def exactness(self) -> int:
-        """How much is said: who is meant exactly comes first."""
+        """Number of conditions as a rank: seats with more conditions come first."""
         return 2 * bool(self.sender) + bool(self.port)
 
 
 class Seats:
-    """Who sits where. Thread: one."""
+    """Assignment of senders to seats. Thread: one."""
 
     def __init__(self, seats: tuple[Seat, ...]) -> None:
-        """Without any there is one, `ALONE`."""
+        """Without seats there is a single one, `ALONE`."""
         self._seats = sorted(seats or (Seat(ALONE),), key=lambda seat: -seat.exactness)
         self._taken: dict[str, tuple[Hashable, float]] = {}
 
     def find(self, who: Hashable, port: int, host: str, now: float) -> Seat | None:
-        """The seat of the sender `who`, at `host`, who sends to `port` at `now` [s]; None if there is none for her."""
+        """Return the seat of sender `who`, at `host`, that sends to `port` at `now` [s]; None if there is none."""
         free = None
         for seat in self._seats:
             if not seat.suits(port, host):
@@ -80,32 +75,33 @@ class Seats:
 
 
 LATE: Final = 0.25
-"""A pose that seems to have been on the way for longer [s] is stamped with its arrival: the sender's clock leapt."""
+"""A pose with a longer apparent delay [s] is stamped with its arrival: the sender's clock has jumped."""
 DRIFT: Final = 5e-4
-"""Clocks of two machines differ by no more than this share."""
+"""Maximum relative drift between the clocks of two machines."""
 THIN: Final = 0.75 * TICK
-"""Poses that come sooner after another [s] are left out: the show takes one a tick."""
+"""Poses less than this [s] after the previous one are dropped: the show uses one per tick."""
 FOREVER: Final = 1e6
 FULL: Final = (1 << JOINT_COUNT) - 1
-"""All bones of the skeleton, a bit for each."""
+"""All bones of the skeleton, one bit each."""
 
 
 class VmcStream:
-    """What one sender sends, of one performer. Thread: one.
+    """Stream of one sender, with one performer. Thread: one.
 
-    A pose is whole when as many bones have come as usual. One that is not when its first bone, the hips, comes again
-    has lost a packet and is left out; unless the same bones were missing in the one before, for then there are no more.
+    A pose is complete when the usual bones have arrived. If its first bone, the hips, arrives again before that, a
+    packet was lost and the pose is dropped. If the same bones were missing in the previous pose, the sender has no more
+    bones.
     """
 
     def __init__(self, seat: Callable[[float], Seat | None], tally: Tally, give: Callable[[MocapFrame], None]) -> None:
-        """`seat` says, at a time [s], which performer this is; `give` gets every pose."""
+        """`seat` returns the performer at a time [s]; `give` receives every pose."""
         self.performer = ""
-        """Who it is; empty before the first pose."""
+        """The performer's name; empty before the first pose."""
         self.poses = 0
-        """Whole poses so far."""
+        """Complete poses so far."""
         self.is_tracked = True
         self.last = -math.inf
-        """When the last pose was given [s]."""
+        """Time of the last pose [s]."""
         self._seat, self._tally, self._give = seat, tally, give
         self._body = CapturedBody()
         self._bones, self._known = np.zeros((JOINT_COUNT, 7)), np.zeros(JOINT_COUNT, np.bool_)
@@ -118,20 +114,20 @@ class VmcStream:
 
     @property
     def bones(self) -> int:
-        """Bones of the engine's skeleton that have come."""
+        """Number of received bones of the engine's skeleton."""
         return int(self._known.sum())
 
     def hear(self, data: bytes, now: float) -> None:
-        """Take up a packet that came at `now` [s]."""
+        """Handle a packet received at `now` [s]."""
         self._now = now
         read_packet(data, self, self._tally)
         if self._got & self._usual == self._usual:
             self._close()
 
-    # -- what a packet says ------------------------------------------------------------------------------------------
+    # -- content of packets -------------------------------------------------------------------------------------------
 
     def bone(self, joint: int, bone: Bone) -> None:
-        """See `vmc_decode.Listener`."""
+        """See `vmc_protocol.Listener`."""
         bit = 1 << joint
         if self._got & bit or (joint == 0 and self._got):
             self._leave_out()
@@ -139,22 +135,22 @@ class VmcStream:
         self._got |= bit
 
     def root(self, bone: Bone) -> None:
-        """See `vmc_decode.Listener`."""
+        """See `vmc_protocol.Listener`."""
         self._root[:] = bone
 
     def tracked(self, on: bool) -> None:
-        """See `vmc_decode.Listener`."""
+        """See `vmc_protocol.Listener`."""
         self.is_tracked = on
 
     def sent(self, time: float) -> None:
-        """See `vmc_decode.Listener`."""
+        """See `vmc_protocol.Listener`."""
         if abs(time) < FOREVER:
             self._sent = time
 
     def _leave_out(self) -> None:
-        """Bones of the next pose come before this one was whole."""
+        """Handle bones of the next pose that arrive before the present pose is complete."""
         if not self._got & 1:
-            self._usual |= self._got  # after a loss poses were thought to have fewer bones than they have
+            self._usual |= self._got  # an earlier loss had made the usual set too small
         elif self._got == self._left_out:
             self._usual = self._got
             self._close()
@@ -162,10 +158,10 @@ class VmcStream:
         self._tally.count(Reason.TRUNCATED)
         self._left_out, self._got = self._got, 0
 
-    # -- whole poses ---------------------------------------------------------------------------------------------------
+    # -- complete poses ------------------------------------------------------------------------------------------------
 
     def _close(self) -> None:
-        """A pose is whole: it goes to the show, if it is meant."""
+        """Finish a complete pose and send it to the show if it is tracked."""
         self._got = self._left_out = 0
         time, self._sent = self._stamp(), None
         if not self.is_tracked or time - self.last < THIN:
@@ -185,9 +181,9 @@ class VmcStream:
         self._give(MocapFrame(time=time, source="vmc", performer=seat.name, pose=pose))
 
     def _stamp(self) -> float:
-        """When the pose was taken [s], by the sender's clock if it says: networks deliver in fits and starts.
+        """Return the capture time of the pose [s], by the sender's clock if available, as network delays vary.
 
-        The packet that was on the way for the shortest time says how far apart the clocks are.
+        The packet with the shortest delay determines the offset between the clocks.
         """
         now = self._now
         if self._sent is None:
@@ -200,7 +196,7 @@ class VmcStream:
         return self._sent + self._least
 
     def facts(self, now: float) -> dict[str, Any]:
-        """For the status."""
+        """Return facts for the status."""
         ago = now - self.last
         return {
             "poses": self.poses, "bones": self.bones, "tracked": self.is_tracked,
@@ -217,7 +213,7 @@ class VmcInput(CaptureInput):
     def __init__(
         self, endpoints: tuple[tuple[str, int], ...], seats: tuple[Seat, ...], lane: Lane[ControlEvent], clock: Clock
     ) -> None:
-        """Nothing is opened yet. `seats`: the performers there may be."""
+        """Configure the input; nothing is opened yet. `seats`: the possible performers."""
         super().__init__("vmc", clock, MAX_PACKET_BYTES)
         self._endpoints, self._lane = endpoints, lane
         self._seats = Seats(seats)
@@ -232,7 +228,7 @@ class VmcInput(CaptureInput):
         return sockets
 
     def reseat(self, seats: tuple[Seat, ...]) -> None:
-        """These are the performers from now on. Thread: any."""
+        """Replace the performers. Thread: any."""
         self._wanted = seats
 
     def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
@@ -251,14 +247,14 @@ class VmcInput(CaptureInput):
         stream.hear(data, now)
 
     def _make_room(self, now: float) -> bool:
-        """Forget senders of whom no pose has come for long; whether there were any."""
+        """Remove senders without recent poses; return whether there were any."""
         gone = [who for who, stream in self._streams.items() if now - stream.last > GONE_AFTER]
         for who in gone:
             del self._streams[who]
         return bool(gone)
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return facts for the status."""
         now = self.clock.now()
         streams = {
             stream.performer: {"from": f"{who[1][0]}:{who[1][1]}", **stream.facts(now)}

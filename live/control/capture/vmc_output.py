@@ -1,8 +1,6 @@
-"""VmcOut: the show's dancers as avatars of other programs, by the VMC protocol.
+"""VMC output: sends the show's dancers as avatars to other programs, or a clip as a capture program would.
 
-Run as a module it is a process of its own (`Helper`), so that nothing that is sent costs a frame anything.
-
-A clip sent by the VMC protocol in real time, as a capture program would send somebody who dances it.
+Run as a module, it is a helper process (`Helper`), so sending costs the show's frames no time.
 """
 
 import gc
@@ -26,37 +24,37 @@ from live.motion.skeleton import JOINT_COUNT
 
 FIGURES_EVERY: Final = 1.0
 MOST_AVATARS: Final = 16
-"""Dancers that one target may get, each at a port of her own."""
+"""Maximum dancers of one target, each on its own port."""
 ROW: Final = 3 + 4 * JOINT_COUNT
-"""Numbers that are told of a dancer: her hips [m], and the rotations of her joints in the world."""
+"""Values per dancer: hips [m], and the joints' world rotations."""
 
 
 @dataclass(frozen=True, slots=True)
 class Avatars:
-    """Whom a program is sent: the first dancer to its port, the second to the next, and so on."""
+    """One target: the first dancer is sent to its port, the second to the next, and so on."""
 
     host: str
     port: int
     who: str = "1"
-    """Words as in `live.show.group.casting`."""
+    """Dancer selection as in `live.show.group.casting`."""
     rate: float = 60.0
-    """Poses a second at most."""
+    """Maximum poses per second."""
 
 
 class VmcOut:
     """Sends dancers to one host. Thread: one."""
 
     def __init__(self, host: str, port: int) -> None:
-        """OSError for a host that is not known."""
+        """Open the socket; OSError for an unknown host."""
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         self._socket = socket.socket(family, kind, protocol)
         self._socket.setblocking(False)
         self._address: tuple[Any, ...] = address
         self.sent = self.failed = 0
-        """Datagrams that the system took, and those that it did not."""
+        """Datagrams that the system accepted, and those that it refused."""
 
     def take(self, time: float, data: bytes) -> None:
-        """Send the dancers whose rows (n, ROW) of float32 these are, as they stand at `time` [s]."""
+        """Send dancers at `time` [s], from rows (n, ROW) of float32."""
         rows = np.frombuffer(data, np.float32).reshape(-1, ROW)[:MOST_AVATARS]
         local = local_rotations(rows[:, 3:].reshape(-1, JOINT_COUNT, 4))
         host, port, *more = self._address
@@ -68,25 +66,25 @@ class VmcOut:
         try:
             self._socket.sendto(datagram, address)
             self.sent += 1
-        except (OSError, OverflowError):  # nobody there, no room, no such port
+        except (OSError, OverflowError):  # no receiver, no room, no such port
             self.failed += 1
 
     def close(self) -> None:
-        """Send nothing any more."""
+        """Close the socket."""
         self._socket.close()
 
 
 def dancers_as_told(
     rows: npt.NDArray[np.integer], position: npt.NDArray[np.float32], rotation: npt.NDArray[np.float32]
 ) -> bytes:
-    """What `VmcOut.take` reads of the dancers `rows` (n,), at `position` (A, J, 3) [m] and `rotation` (A, J, 4)."""
+    """Return the data for `VmcOut.take`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
     told = np.empty((len(rows), ROW), np.float32)
     told[:, :3], told[:, 3:] = position[rows, 0], rotation[rows].reshape(len(rows), -1)
     return told.tobytes()
 
 
 def main() -> None:
-    """Send until the show has gone."""
+    """Send until the show ends."""
     told = Told(int(sys.argv[1]))
     gc.disable()
     outs = [VmcOut(host, port) for host, port in told.plan["targets"]]
@@ -94,7 +92,7 @@ def main() -> None:
     say_at = clock.now() + FIGURES_EVERY
     while not told.ended:
         select.select([told.socket], [], [], FIGURES_EVERY)
-        newest = {packet[0]: packet for packet in told.packets()}  # of a heap that has waited the last ones alone
+        newest = {packet[0]: packet for packet in told.packets()}  # after a delay only the latest packet of each target
         for index, moment, data in newest.values():
             outs[index].take(moment, data)
         if clock.now() >= say_at:
@@ -106,9 +104,9 @@ def main() -> None:
 def play_clip(
     clip: Clip, endpoint: tuple[str, int], *, first: int = 0, seconds: float | None = None, loop: bool = False
 ) -> int:
-    """Send the clip's samples from `first` on, each when it is due; returns how many were sent.
+    """Send the clip's samples from `first` on, each when it is due; return how many were sent.
 
-    `seconds`: end after so long; `loop`: begin again at the end. OSError for a host that is not known.
+    `seconds`: maximum duration; `loop`: restart at the end. OSError for an unknown host.
     """
     family, kind, protocol, _, address = socket.getaddrinfo(*endpoint, type=socket.SOCK_DGRAM)[0]
     began = time.perf_counter()
@@ -126,7 +124,7 @@ def play_clip(
             for data in vmc_packets(clip.root_position[sample], clip.rotation[sample], due):
                 try:
                     sock.sendto(data, address)
-                except ConnectionRefusedError:  # nobody listens yet
+                except ConnectionRefusedError:  # no receiver yet
                     continue
     return 0
 

@@ -1,17 +1,15 @@
-"""VMC (Virtual Motion Capture protocol): the packets of a performer's program as bones, by the protocol's own rules.
+"""VMC (Virtual Motion Capture protocol) reader and writer: poses of performers and dancers as OSC over UDP.
 
-OSC over UDP, in bundles or not: `/VMC/Ext/Bone/Pos name px py pz qx qy qz qw` with Unity's names of human bones, the
-place from the parent [m] and the local rotation; `/VMC/Ext/Root/Pos` likewise for where the body stands; `/VMC/Ext/OK`
-whether it is tracked; `/VMC/Ext/T` the sender's time [s]. What is unknown and what is too much is ignored, what is too
-little or of the wrong type is refused for itself alone, and counted. Unity's axes are left-handed: x is turned over.
+Messages, in bundles or not: `/VMC/Ext/Bone/Pos name px py pz qx qy qz qw` with Unity's names of human bones, the offset
+from the parent [m] and the local rotation; `/VMC/Ext/Root/Pos` likewise for the body's position; `/VMC/Ext/OK` for the
+tracking state; `/VMC/Ext/T` for the sender's time [s]. The reader ignores unknown messages and surplus arguments. It
+refuses and counts messages with missing or wrong arguments, each on its own. Its work is linear in the packet's length,
+and no input raises an exception.
 
-Work is linear in the packet's length; nothing here raises for anything a sender can choose.
+The engine's skeleton has the protocol's rest pose (a T-pose that faces forward), so local rotations are sent unchanged.
+Unity's axes are left-handed, so x is mirrored in both directions.
+
 Source: sh-akira/VirtualMotionCaptureProtocol, performer to marionette.
-
-What is sent by the VMC protocol: a dancer as a performer's program sends her, in bundles that fit into a datagram.
-
-The engine's skeleton has the rest pose that the protocol's bones are counted from (a T-pose that faces forward), so its
-local rotations are sent as they are, in Unity's left-handed axes: x is turned over.
 """
 
 import math
@@ -29,11 +27,11 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 MAX_PACKET_BYTES: Final = 16384
 MAX_ELEMENTS: Final = 256
 FARTHEST: Final = 100.0
-"""No bone is farther from its parent [m]."""
+"""Maximum distance of a bone from its parent [m]."""
 UNIT: Final = (0.81, 1.21)
-"""Squared lengths of what is taken for a unit quaternion."""
+"""Range of squared lengths accepted as a unit quaternion."""
 NOTHING: Final = -1
-"""Bones that there are, but not in the engine's skeleton: eyes, jaw, fingers."""
+"""Marks bones that the engine's skeleton lacks: eyes, jaw, fingers."""
 _FINGERS: Final = ("Thumb", "Index", "Middle", "Ring", "Little")
 _NOT_OURS: Final = (
     "LeftEye", "RightEye", "Jaw", "LastBone",
@@ -47,10 +45,10 @@ _NOT_OURS: Final = (
 BONES: Final[dict[str, int]] = {name.casefold(): index for index, name in enumerate(SKELETON.names)} | dict.fromkeys(
     (name.casefold() for name in _NOT_OURS), NOTHING
 )
-"""Joint of the engine's skeleton by the bone's name in small letters."""
+"""Joint of the engine's skeleton by the bone's name in lower case."""
 
 Bone = tuple[float, float, float, float, float, float, float]
-"""Place from the parent x, y, z [m] and rotation w, x, y, z, in the engine's axes."""
+"""Offset from the parent x, y, z [m] and rotation w, x, y, z, in the engine's axes."""
 
 _BUNDLE: Final = b"#bundle\0"
 _SIZE: Final = struct.Struct(">i")
@@ -68,27 +66,27 @@ _BY_BYTES: Final = {
 
 
 class Listener(Protocol):
-    """Who is told what a packet says."""
+    """Receiver of a packet's content."""
 
     def bone(self, joint: int, bone: Bone) -> None:
-        """Where a joint of the engine's skeleton is."""
+        """Receive the pose of a joint of the engine's skeleton."""
         ...
 
     def root(self, bone: Bone) -> None:
-        """Where the body stands."""
+        """Receive the body's position."""
         ...
 
     def tracked(self, on: bool) -> None:
-        """Whether what comes is meant."""
+        """Receive whether the data is valid."""
         ...
 
     def sent(self, time: float) -> None:
-        """The sender's time [s]."""
+        """Receive the sender's time [s]."""
         ...
 
 
 def read_packet(data: bytes, listener: Listener, tally: Tally) -> None:
-    """Tell `listener` what a packet says; what is refused is counted."""
+    """Decode a packet for `listener`; refused messages are counted."""
     if not 0 < len(data) <= MAX_PACKET_BYTES:
         tally.count(Reason.PACKET_SIZE)
         return
@@ -113,7 +111,7 @@ def read_packet(data: bytes, listener: Listener, tally: Tally) -> None:
 
 
 def _messages(data: bytes, start: int, stop: int, depth: int) -> Iterator[tuple[int, int]]:
-    """Where the messages of a packet begin and end; OscRejected where a bundle is broken."""
+    """Return begin and end of each message in a packet; OscRejected if a bundle is broken."""
     if data[start] != 0x23:  # "#"
         yield start, stop
         return
@@ -125,7 +123,7 @@ def _messages(data: bytes, start: int, stop: int, depth: int) -> Iterator[tuple[
         raise OscRejected(Reason.ADDRESS)
     place = start + 16
     while place < stop:
-        (size,) = _SIZE.unpack_from(data, place)  # all lengths are multiples of 4: four bytes are there
+        (size,) = _SIZE.unpack_from(data, place)  # all lengths are multiples of 4, so four bytes are present
         place += 4
         if size <= 0 or size & 3 or size > stop - place:
             raise OscRejected(Reason.ELEMENT_SIZE)
@@ -134,7 +132,7 @@ def _messages(data: bytes, start: int, stop: int, depth: int) -> Iterator[tuple[
 
 
 def _tell_bone(joint: int | None, values: tuple[float, ...], listener: Listener, tally: Tally) -> None:
-    """A bone, or the root (None), if its numbers can be."""
+    """Pass on a bone, or the root (None), if its numbers are valid."""
     x, y, z, i, j, k, w = values
     square = i * i + j * j + k * k + w * w
     if not math.isfinite(x + y + z + square):
@@ -152,7 +150,7 @@ def _tell_bone(joint: int | None, values: tuple[float, ...], listener: Listener,
 
 
 def _tell_other(data: bytes, listener: Listener, tally: Tally) -> None:
-    """Any other message, or a bone written in an unusual way."""
+    """Handle any other message, or a bone in an unusual encoding."""
     try:
         message = decode(data)[0]
     except OscRejected as error:
@@ -186,7 +184,7 @@ def _tell_other(data: bytes, listener: Listener, tally: Tally) -> None:
 
 
 def _pose(values: tuple[Value, ...], tally: Tally) -> tuple[float, ...] | None:
-    """The seven numbers after a name; None, counted, if they are not there."""
+    """Return the seven numbers after a name; None, counted, if they are missing."""
     if len(values) < 8:
         tally.count(Reason.MISSING)
         return None
@@ -198,7 +196,7 @@ def _pose(values: tuple[Value, ...], tally: Tally) -> tuple[float, ...] | None:
 
 
 def _tell_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> None:
-    """`OK loaded [calibration mode [tracking]]`: not meant while nothing is loaded, it calibrates, or tracks badly."""
+    """Handle `OK loaded [calibration mode [tracking]]`: invalid if not loaded, calibrating, or poorly tracked."""
     if not values:
         tally.count(Reason.MISSING)
     elif any(type(value) is not int for value in values[:4]):
@@ -212,7 +210,7 @@ def _tell_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> 
 Float = npt.NDArray[np.floating]
 
 _UNITY: Final = np.array((-1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0))
-"""Signs of place x, y, z and rotation x, y, z, w."""
+"""Signs of position x, y, z and rotation x, y, z, w."""
 _ROWS: Final = struct.Struct(">7f")
 _HEADS: Final = [
     encode("/VMC/Ext/Bone/Pos", (name[0].upper() + name[1:], *[0.0] * 7))[: -_ROWS.size] for name in SKELETON.names
@@ -225,7 +223,7 @@ _OFFSETS: Final = SKELETON.offsets.astype(np.float64)
 
 
 def vmc_packets(hips: Float, rotation: Float, time: float) -> Iterator[bytes]:
-    """Datagrams that say a pose: `hips` (3,) [m] and local rotations (J, 4) (w, x, y, z), at `time` [s]."""
+    """Return the datagrams of a pose: `hips` (3,) [m] and local rotations (J, 4) (w, x, y, z), at `time` [s]."""
     rows = np.empty((JOINT_COUNT, 7))
     rows[:, :3] = _OFFSETS
     rows[0, :3] = hips

@@ -1,1 +1,1 @@
-"""Events are what may happen to a show, each a frozen dataclass. It may import what `control` may."""
+"""All events of a show, as frozen dataclasses. May import the same layers as `control`."""

@@ -1,4 +1,4 @@
-"""Events of the audience: what its phones want together, and what the operator lets them."""
+"""Events of the audience: the phones' combined input, and the operator's settings for them."""
 
 from dataclasses import dataclass
 
@@ -7,52 +7,52 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AudienceHeard(ControlEvent):
-    """What all phones want together at one moment: made of their voices by the gateway, once a tick at most.
+    """The combined input of all phones, aggregated by the gateway, at most once per tick.
 
-    Numbers with spaces between them, entries with commas: whole numbers, so that the journal stays small. Empty: as it
-    was said before; `-`: none any more.
+    Numbers are separated by spaces, entries by commas; whole numbers keep the journal small. Empty: unchanged; `-`:
+    none.
     """
 
     phones: int
-    """How many there are."""
+    """Number of phones."""
     order: int
-    """How many of the operator's words were heeded, see `Audience.order`: what was made before is not heard."""
+    """Number of operator commands applied by the gateway, see `Audience.order`; older input is ignored."""
     share: int = 0
-    """How strongly they are heard, in thousandths: all of it once there are enough of them."""
+    """Influence in thousandths; it reaches 1000 when there are enough phones."""
     places: str = ""
-    """Where they gather: x z [cm], weight in thousandths of the heaviest place, mode 1 attract or 2 repel."""
+    """Gathering places: x z [cm], weight in thousandths of the heaviest place, mode 1 attract or 2 repel."""
     lights: str = ""
-    """Voices that are seen: number of the phone, x z [cm], hue in thousandths, mode."""
+    """Voices shown: number of the phone, x z [cm], hue in thousandths, mode."""
     votes: str = ""
-    """Number of the vote, then the voices for each choice in hundredths."""
+    """Number of the vote, then the votes for each choice in hundredths."""
     shaken: int = 0
-    """Share of those who play that shake their phones, in thousandths."""
+    """Share of active phones that are shaken, in thousandths."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenAudience(ControlEvent):
-    """Phones may play, or none may: closed, nothing of them acts or is seen from the same tick on."""
+    """Opens the show to phones, or closes it: from the same tick on they have no effect and are not shown."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetAudienceGain(ControlEvent):
-    """How strongly the audience is heard, 0 to 1."""
+    """Sets the influence of the audience, 0 to 1."""
 
     gain: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MuteAudience(ControlEvent):
-    """The phones play on, but dancers do not hear them, or do again."""
+    """Mutes or restores the phones' influence on dancers; phones stay in."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WeighRegion(ControlEvent):
-    """How much each voice of a region of the audience weighs; 0: none of them is heard."""
+    """Sets the weight of each voice of a region of the audience; 0: none."""
 
     name: str
     weight: float
@@ -60,7 +60,7 @@ class WeighRegion(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GiveTurn(ControlEvent):
-    """From the next measure line on only this region plays, for so many measures; `*`: everybody plays again."""
+    """From the next measure line on only this region takes part, for `measures`; `*`: all regions."""
 
     name: str
     measures: float = 4.0
@@ -68,7 +68,7 @@ class GiveTurn(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BanPhone(ControlEvent):
-    """A phone, by its number, is not heard or seen any more, or is again; 0 with `on` false: nobody is banned."""
+    """Bans a phone by its number, or lifts the ban; 0 with `on` false lifts all bans."""
 
     number: int
     on: bool = True
@@ -87,11 +87,11 @@ class AskVote(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DropVote(ControlEvent):
-    """The vote that runs is dropped: nothing is called."""
+    """Cancels the current vote; nothing is called."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AllowShaking(ControlEvent):
-    """Phones that are shaken count, or do not."""
+    """Switches the effect of shaken phones on or off."""
 
     on: bool

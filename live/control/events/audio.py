@@ -1,4 +1,4 @@
-"""Events about sound: what the music is like, and what is asked of the devices that hear and play it."""
+"""Events of sound: features of the music, and settings of the sound devices."""
 
 from dataclasses import dataclass
 
@@ -7,51 +7,51 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MusicHeard(ControlEvent):
-    """What one beat of the music was like; told once for each beat that is heard."""
+    """Features of one beat of the music; one event per tracked beat."""
 
     beat_time: float
-    """When the beat began [s of the show]."""
+    """Time of the beat [s of the show]."""
     loudness: float
-    """0 to 1 in the range that this room has shown so far."""
+    """0 to 1 within the range observed so far."""
     density: float
     """Onsets per beat."""
     brightness: float
-    """0 to 1: where the spectrum's centre lies in the range shown so far."""
+    """Spectral centroid, 0 to 1 within the range observed so far."""
     low: float
-    """0 to 1: the bass, likewise."""
+    """Bass level, 0 to 1 within the range observed so far."""
     build: float
-    """0 to 1: how far a build-up has come."""
+    """Progress of a build-up, 0 to 1."""
     drop: bool = False
-    """Whether the bass came back with this beat, after a build-up or a break."""
+    """Whether the bass returned with this beat, after a build-up or a break."""
     loudness_db: float = -120.0
     """The same loudness [dB under full scale], K-weighted."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestartAudio(ControlEvent):
-    """The sound device is closed and opened again, by hand."""
+    """The sound device is closed and opened again, on the operator's command."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChooseAudio(ControlEvent):
-    """Another sound device is listened to, or other channels of it."""
+    """Selects another sound input, or other channels of it."""
 
     device: str = ""
-    """Its name or a part of it; empty: the one there is."""
+    """Its name or a part of it; empty: unchanged."""
     channels: str = ""
-    """As for `--audio-channel`: "3", "5,6" or "all"; empty: as they are."""
+    """As for `--audio-channel`: "3", "5,6" or "all"; empty: unchanged."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetClick(ControlEvent):
-    """The players' click goes on; or off, and is heard only while somebody counts in."""
+    """Switches the players' click on, or off except during a count-in."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetLatency(ControlEvent):
-    """A delay of the venue is set by hand."""
+    """Sets a latency of the venue."""
 
     what: str
     """"input", "output", "display" or "projector"."""

@@ -1,4 +1,4 @@
-"""Events of live motion capture: who is seen moving, how, and what becomes of her on the stage."""
+"""Events of live motion capture: poses, tracker positions, and settings of captured performers."""
 
 from dataclasses import dataclass
 
@@ -7,27 +7,27 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MocapFrame(ControlEvent):
-    """A real dancer, whose whole body is captured, stands like this now."""
+    """Current full-body pose of a captured performer."""
 
     performer: str
-    """Her name, as in the patch's `[[mocap]]`."""
+    """The name in the patch's `[[mocap]]`."""
     pose: str
-    """Hips [m] and rotations on the engine's skeleton, as `live.motion.packed_pose` packs them: quantised when
-    it was received, so that live and replayed shows see the same bits."""
+    """Hip position [m] and rotations on the engine's skeleton, as packed by `live.motion.packed_pose`; quantised on
+    receipt, so that live and replayed shows get the same bits."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CastMocap(ControlEvent):
-    """A captured performer is this dancer from now on."""
+    """A captured performer drives this dancer from now on."""
 
     performer: str
     dancer: str
-    """Words as in `live.show.group.casting`: the first of whom they mean; "none": nobody."""
+    """An expression as in `live.show.group.casting`, of which the first dancer counts; "none": no dancer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowMocap(ControlEvent):
-    """A captured performer is seen, or her dancer goes back to dancing herself."""
+    """Shows a captured performer, or lets the dancer dance by themselves again."""
 
     performer: str
     shown: bool
@@ -35,7 +35,7 @@ class ShowMocap(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MirrorMocap(ControlEvent):
-    """A captured performer is seen as in a mirror, or as she is."""
+    """Mirrors a captured performer, or shows them as captured."""
 
     performer: str
     mirrored: bool
@@ -43,7 +43,7 @@ class MirrorMocap(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaceMocap(ControlEvent):
-    """Where the middle of a captured performer's floor lies on the stage."""
+    """Places the centre of a performer's capture floor on the stage."""
 
     performer: str
     x: float
@@ -51,22 +51,22 @@ class PlaceMocap(ControlEvent):
     turn: float = 0.0
     """Degrees, towards +x."""
     scale: float = 1.0
-    """How long her ways become."""
+    """Scale of the performer's paths."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CanonMocap(ControlEvent):
-    """Dancers repeat a captured performer, one after another; "none": nobody does any more."""
+    """Dancers repeat a captured performer in canon; "none": no dancers."""
 
     performer: str
     group: str
     beats: float = 2.0
-    """From one to the next."""
+    """Delay from one dancer to the next."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockMocap(ControlEvent):
-    """A captured performer is somebody real on the stage, whom dancers go out of the way of, or only a picture."""
+    """Whether dancers avoid a captured performer as an obstacle on the stage."""
 
     performer: str
     obstacle: bool
@@ -74,20 +74,20 @@ class BlockMocap(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DrawMocap(ControlEvent):
-    """A captured performer draws dancers to her; with a strength below 0 she drives them away, with 0 neither."""
+    """A captured performer attracts dancers; repels them if strength is below 0; no effect at 0."""
 
     performer: str
     strength: float
     group: str = "*"
-    """Whom; "": whom she did."""
+    """The group; "": unchanged."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerMoved(ControlEvent):
-    """A tracker is here now, in the tracking system's own axes [m]."""
+    """Position of a tracker in the tracking system's own axes [m]."""
 
     tracker: str
-    """What it is called there, or its number."""
+    """Its name in that system, or its number."""
     x: float
     y: float
     z: float

@@ -1,4 +1,4 @@
-"""What the musician's hand says about the beat."""
+"""Events of the clock: manual control and observations of clock sources."""
 
 from dataclasses import dataclass
 
@@ -17,88 +17,88 @@ class One(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetTempo(ControlEvent):
-    """The tempo is set by hand [bpm]; the beat position goes on without a step."""
+    """The tempo is set by hand [bpm]; the beat position continues without a jump."""
 
     tempo: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nudge(ControlEvent):
-    """The beats of the source in force lie so much later [s] (earlier if negative) than it says."""
+    """The beats move by `seconds` relative to the active source; later if positive."""
 
     seconds: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShiftBeats(ControlEvent):
-    """The measure lines move by so many beats, later if positive; a half moves the beat itself to the off-beat."""
+    """The measure lines move by `beats`, later if positive; half a beat moves the beat to the off-beat."""
 
     beats: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaleTempo(ControlEvent):
-    """Half (0.5) or double (2) tempo, from the next beat that both have."""
+    """Half (0.5) or double (2) tempo, from the next beat common to both."""
 
     factor: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HoldTempo(ControlEvent):
-    """The tempo is frozen: nothing heard corrects tempo or phase until it is let go."""
+    """The tempo is frozen, so that no source corrects tempo or phase, or released."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetMetre(ControlEvent):
-    """Measures have so many beats, 2 to 12, from the next measure line on."""
+    """Sets the beats per measure, 2 to 12, from the next measure line on."""
 
     beats: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CountIn(ControlEvent):
-    """So many measures are counted, then comes the one: from the next beat, or after a measure of taps."""
+    """Counts `measures` before the one, from the next beat, or after a measure of taps."""
 
     measures: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChooseSource(ControlEvent):
-    """Which source is followed, by name; "auto": by priority."""
+    """Selects the clock source by name; "auto": by priority."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BeatHeard(ControlEvent):
-    """What a source says: a beat at `beat_time` [s of the show], `period` [s] to the next, confidence 0 to 1.
+    """A source's beat observation: a beat at `beat_time` [s of the show], `period` [s], confidence 0 to 1.
 
     The source is the event's `source`: "audio", "midi", "link", "mtc" …
     """
 
     beat_time: float
-    """It may lie ahead: a prediction."""
+    """May be in the future (a prediction)."""
     period: float
     confidence: float
     beat: int = -1
-    """Which beat of its measure it is, from 0; -1 where the source cannot tell."""
+    """Beat of the measure, from 0; -1 if unknown."""
     beats_per_measure: int = 0
-    """0 where the source cannot tell."""
+    """0 if unknown."""
     measure: int = -1
-    """The source's own number of the measure, from 0 (song position, Link); -1 where it counts none."""
+    """The source's measure number, from 0 (song position, Link); -1 if it has none."""
     jump: bool = False
-    """Whether the source says that it has jumped (start, song position): its grid is to be taken at once."""
+    """Whether the source reports a jump (start, song position), so that its grid applies at once."""
     anchored: bool = True
-    """False where the source only counts evenly and cannot tell when a beat is: MIDI clock that was never started."""
+    """False if the source has a tempo but no beat phase, such as MIDI clock that was never started."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceChanged(ControlEvent):
-    """A clock source came ("found"), rests longer than usual ("paused"), fell silent ("silent"), went away ("lost").
+    """A clock source appeared ("found"), paused longer than usual ("paused"), fell "silent", or is "lost".
 
-    MIDI and Link also say "started" and "stopped".
+    MIDI and Link also report "started" and "stopped".
     """
 
     state: str

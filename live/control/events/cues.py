@@ -1,4 +1,4 @@
-"""Events of the stage manager: GO, stand-by, panic, hold, undo."""
+"""Events of the stage manager: GO, standby, panic, hold, undo."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Go(ControlEvent):
-    """The cue that stands by is given; the next one stands by."""
+    """Starts the cue on standby; the next one is on standby."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GiveCue(ControlEvent):
-    """This cue is given, whatever stands by; the one after it stands by."""
+    """Starts this cue regardless of the standby; the next one is on standby."""
 
     name: str
     """Its name or number."""
@@ -20,7 +20,7 @@ class GiveCue(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StandBy(ControlEvent):
-    """This cue stands by."""
+    """Puts this cue on standby."""
 
     name: str
     """Its name or number."""
@@ -28,26 +28,26 @@ class StandBy(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepBack(ControlEvent):
-    """A cue that is counting in is taken back; if none is, the one before the one that stands by does so."""
+    """Cancels a cue that is counting in; if there is none, the cue before the standby is on standby."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panic(ControlEvent):
-    """Everything that was added ends, the patch's light comes back, the score is held; the music's clock goes on."""
+    """Ends everything that was added, restores the patch's light and holds the score; the music's clock continues."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HoldShow(ControlEvent):
-    """Score, fades and cues stand still, or go on; the dance goes on."""
+    """Holds or continues score, fades and cues; the dance continues."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Undo(ControlEvent):
-    """The last edit is taken back."""
+    """Undoes the last edit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Redo(ControlEvent):
-    """The last edit that was taken back is made again."""
+    """Redoes the last undone edit."""

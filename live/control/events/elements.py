@@ -14,16 +14,16 @@ class Attract(ControlEvent):
     strength: float = 1.0
     measures: float = 4.0
     group: str = "*"
-    """Who: words as in `live.show.group.casting`."""
+    """The dancers: an expression as in `live.show.group.casting`."""
     next: bool = False
     """True: from the next measure line on."""
     drag: bool = False
-    """True if this moves the one that the same source set last, instead of adding another."""
+    """True: move the last one of the same source instead of adding another."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Repel(ControlEvent):
-    """Dancers leave the surroundings of (x, z) [m] for a number of measures (T105)."""
+    """Dancers move away from (x, z) [m] for a number of measures (T105)."""
 
     x: float
     z: float
@@ -32,7 +32,7 @@ class Repel(ControlEvent):
     group: str = "*"
     next: bool = False
     drag: bool = False
-    """True if this moves the one that the same source set last, instead of adding another."""
+    """True: move the last one of the same source instead of adding another."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,21 +46,21 @@ class Spread(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Voice(ControlEvent):
-    """One voice of an audience, at (x, z) [m]; every source has one."""
+    """One voice of an audience, at (x, z) [m]; each source has one."""
 
     x: float
     z: float
     strength: float = 1.0
-    """Above 1: as many voices."""
+    """Above 1: counts as so many voices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaceElement(ControlEvent):
-    """Any element (T105-T110): see `live.agents.elements.element`."""
+    """Places any element (T105-T110), see `live.agents.elements.element`."""
 
     kind: str
     points: str = ""
-    """Its points, "x z, x z" [m]; empty where it needs none."""
+    """Its points, "x z, x z" [m]; empty if it needs none."""
     strength: float = 1.0
     measures: float = 4.0
     group: str = "*"
@@ -68,6 +68,6 @@ class PlaceElement(ControlEvent):
     radius: float = 0.0
     closed: bool = False
     flow: str = ""
-    """Kind of a flow."""
+    """The kind of flow."""
     whom: str = ""
-    """Whom it follows, pursues or evades: a dancer's number from 1, or a group."""
+    """Target of follow, pursue or evade: a dancer's number from 1, or a group."""

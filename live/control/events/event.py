@@ -1,11 +1,11 @@
-"""ControlEvent: what all events have."""
+"""Base class of all events."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlEvent:
-    """One event: when it arrived (`time`, seconds of the show) and from where (`source`: "osc", "key", "audio" …)."""
+    """One event, with arrival `time` [s of the show] and `source` ("osc", "key", "audio" …)."""
 
     time: float
     source: str

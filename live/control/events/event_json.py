@@ -1,4 +1,4 @@
-"""Events as JSON, as journals have them: objects, or rows where they come by the thousand; and in packets."""
+"""JSON encoding of events for journals, as objects or compact rows, and for packets between processes."""
 
 import math
 from collections.abc import Callable
@@ -22,25 +22,25 @@ from live.control.message_codec import register_as
 
 
 def event_to_json(event: ControlEvent) -> dict[str, Any]:
-    """The event as a JSON object; floats keep every bit (Python writes the shortest form that reads back equal)."""
-    name = type(event).__name__  # all fields are numbers and words: nothing that `asdict` would have to copy
+    """Return the event as a JSON object; floats keep every bit (Python writes the shortest exact form)."""
+    name = type(event).__name__  # all fields are numbers and strings, so no copy by `asdict` is needed
     return {"type": name, **{field: getattr(event, field) for field in _kinds(name)}}
 
 
 IN_ROWS: tuple[type[ControlEvent], ...] = (
     BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, Performer, PlaceObstacle, AudienceHeard,
 )  # fmt: skip
-"""Events that come by the thousand: the journal has them as rows, [type, value, ...] in the order of their fields."""
+"""Frequent events, which the journal stores as rows: [type, value, ...] in the order of their fields."""
 
 
 def is_finite(event: ControlEvent) -> bool:
-    """Whether every number in the event is one."""
+    """Whether every float in the event is finite."""
     values = (getattr(event, field.name) for field in fields(event))
     return all(math.isfinite(value) for value in values if type(value) is float)
 
 
 def event_to_row(event: ControlEvent) -> list[Any]:
-    """The event as a row: its type, and its values without the last ones that are as usual."""
+    """Return the event as a row: its type and its values, without trailing defaults."""
     values = [getattr(event, field.name) for field in fields(event)]
     for field in reversed(fields(event)):
         if values[-1] != field.default:
@@ -50,14 +50,14 @@ def event_to_row(event: ControlEvent) -> list[Any]:
 
 
 def columns_of(kind: type[ControlEvent]) -> list[str]:
-    """What the values of a row are, in their order."""
+    """Return the field names of a row's values, in order."""
     return [field.name for field in fields(kind)]
 
 
 def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[str]] | None = None) -> ControlEvent:
-    """The event that `event_to_json` or `event_to_row` wrote; ValueError for an unknown type, field or a wrong value.
+    """Decode the result of `event_to_json` or `event_to_row`; ValueError for an unknown type or field or a wrong value.
 
-    `columns`: what the values of rows are, by type; where left out, the fields in their order.
+    `columns`: field names of rows by type; None: the fields in order.
     """
     values = dict(data) if not isinstance(data, list) else _values_of(data, columns or {})
     name = values.pop("type", None)
@@ -82,7 +82,7 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
 
 
 def _is_small(value: float) -> bool:
-    """Whether a number can be counted with: a float that is one, a whole number of 64 bits."""
+    """Whether a number is usable: a finite float or a 64-bit integer."""
     return math.isfinite(value) if isinstance(value, float) else -(1 << 63) <= value < 1 << 63
 
 
@@ -100,12 +100,12 @@ def _made(name: str) -> Callable[[tuple[Any, ...]], ControlEvent]:
 
 
 def register_events() -> None:
-    """Let events be in packets; they are checked as those of a journal."""
+    """Register all events for packets; they are checked like those of a journal."""
     for name, cls in EVENT_TYPES.items():
         register_as(name, cls, _made(name))
 
 
 @cache
 def _kinds(name: str) -> dict[str, Any]:
-    """The fields of an event's type, in their order, and what they hold."""
+    """Return the fields of an event type with their types, in order."""
     return {field.name: field.type for field in fields(EVENT_TYPES[name])}

@@ -1,6 +1,6 @@
-"""Events: everything that may change a show, as frozen values stamped with time and source.
+"""All event types: every input that can change a show, as a frozen value with time and source.
 
-The journal of a show is its patch, its seed and these, each with the tick at which it was applied.
+The journal of a show is its patch, its seed and its events, each with the tick at which it was applied.
 """
 
 from dataclasses import dataclass
@@ -192,14 +192,14 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Blackout(ControlEvent):
-    """The light goes out or comes back."""
+    """Switches the light of the show off or on."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TicksSkipped(ControlEvent):
-    """The machine stalled: so many ticks were left out."""
+    """Number of ticks left out because the machine stalled."""
 
     count: int
 
@@ -224,4 +224,4 @@ EVENT_TYPES: dict[str, type[ControlEvent]] = {
         BreakerTripped, ResetBreaker,
     )
 }  # fmt: skip
-"""Every kind of event by its name in the journal."""
+"""All event types by their names in the journal."""

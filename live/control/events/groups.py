@@ -1,4 +1,4 @@
-"""Events about formations, groups, who comes and goes, and what stands on the stage."""
+"""Events of formations, groups, entrances and exits, and objects on the stage."""
 
 from dataclasses import dataclass
 
@@ -10,19 +10,19 @@ class Evolve(ControlEvent):
     """Dancers go to a formation within some measures (T096)."""
 
     formation: str
-    """A name in the patch, or words (`live.agents.formations.formation_notation`)."""
+    """A name in the patch, or a description (`live.agents.formations.formation_notation`)."""
     measures: float = 4.0
     group: str = "*"
     next: bool = False
     match: str = "squared"
-    """Who goes where (T097-T100)."""
+    """Assignment of dancers to places (T097-T100)."""
     ripple: float = 0.0
-    """Beats from the first who starts to the last."""
+    """Beats from the first dancer's start to the last one's."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DefineFormation(ControlEvent):
-    """A formation by name is made or changed; every use of it changes with it (T087)."""
+    """A named formation is defined or changed, with every use of it (T087)."""
 
     name: str
     formation: str
@@ -50,7 +50,7 @@ class Pause(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Release(ControlEvent):
-    """Dancers leave what a formation or evolution asks of them."""
+    """Dancers leave their formation and evolution."""
 
     group: str = "*"
 
@@ -65,18 +65,18 @@ class Regroup(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetRipple(ControlEvent):
-    """A delay runs over a group from now on (T051)."""
+    """Sets a delay that runs over a group (T051)."""
 
     beats: float
-    """From the first dancer to the last; 0: nobody is late any more."""
+    """Delay from the first dancer to the last; 0: none."""
     begins: str = "left"
-    """Where: a side of the stage, `centre`, or x z [m]."""
+    """Where it starts: a side of the stage, `centre`, or x z [m]."""
     group: str = "*"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Enter(ControlEvent):
-    """Dancers who wait in the wings come at the next measure line."""
+    """Dancers waiting in the wings enter at the next measure line."""
 
     count: float = 1.0
     group: str = "*"
@@ -93,7 +93,7 @@ class Leave(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaceObstacle(ControlEvent):
-    """Something round stands at (x, z) [m], `radius` [m] wide around it."""
+    """Places a round obstacle at (x, z) with `radius` [m]."""
 
     name: str
     x: float
@@ -103,7 +103,7 @@ class PlaceObstacle(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaceWall(ControlEvent):
-    """A wall stands from (x, z) to (x2, z2) [m]."""
+    """Places a wall from (x, z) to (x2, z2) [m]."""
 
     name: str
     x: float
@@ -114,14 +114,14 @@ class PlaceWall(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RemoveObstacle(ControlEvent):
-    """The obstacle or wall of this name is gone."""
+    """Removes the obstacle or wall of this name."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetStage(ControlEvent):
-    """The stage becomes `width` by `depth` [m]: dancers outside come in."""
+    """Resizes the stage to `width` by `depth` [m]; dancers outside come in."""
 
     width: float
     depth: float
@@ -129,7 +129,7 @@ class SetStage(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Performer(ControlEvent):
-    """A real dancer is at (x, z) [m]."""
+    """Position (x, z) [m] of a real dancer."""
 
     name: str
     x: float

@@ -1,4 +1,4 @@
-"""Events that concern what is played over MIDI."""
+"""Events of MIDI: learned bindings and features of notes."""
 
 from dataclasses import dataclass
 
@@ -7,32 +7,32 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LearnMidi(ControlEvent):
-    """What is moved next on a MIDI controller works a control from then on."""
+    """Binds a control to the next MIDI controller that is moved."""
 
     address: str
-    """Of the control; empty: nothing is learned after all."""
+    """Address of the control; empty: cancel."""
     given: str = ""
-    """Values of the control that are always the same, a line each: `name=value`, or a text for its next text."""
+    """Fixed values of the control, one per line: `name=value`, or a text for its next text argument."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForgetMidi(ControlEvent):
-    """What was learned for a control is forgotten."""
+    """Removes the learned bindings of a control."""
 
     address: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NotesHeard(ControlEvent):
-    """What the notes that are played over MIDI are like; told several times a beat while that changes."""
+    """Features of the notes played over MIDI; sent several times per beat while they change."""
 
     beats: float
-    """Beats since it was told last."""
+    """Beats since the previous event."""
     energy: float
-    """0 to 1: how hard notes are struck, dying away after the stroke."""
+    """Velocity, 0 to 1, decaying after each note-on."""
     density: float
-    """Strokes per beat over the last beats."""
+    """Note-ons per beat over the last beats."""
     chord: int
-    """Notes that sound."""
+    """Number of sounding notes."""
     pitch: float
-    """0 to 1 over the piano's keys: where what sounds lies, or did last."""
+    """Mean position of the sounding, else the last, notes on the piano's keys, 0 to 1."""

@@ -1,4 +1,4 @@
-"""Events about what dancers dance, how they vary it, and where they look."""
+"""Events of steps, motion variation and facing."""
 
 from dataclasses import dataclass
 
@@ -16,37 +16,37 @@ class CallStep(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepNow(ControlEvent):
-    """Dancers leave what they dance for this step at the next half beat, within the measure."""
+    """Dancers change to this step at the next half beat, within the measure."""
 
     name: str
     group: str = "*"
     measures: float = 1.0
-    """How many whole measures they stay in it after the one that runs."""
+    """Number of whole measures of it after the current one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetSequence(ControlEvent):
-    """Dancers dance these steps in order, again and again, instead of the patch's."""
+    """Dancers repeat these steps in order, instead of the patch's."""
 
     steps: str
-    """Names with commas between them, as in `live dance --sequence`."""
+    """Names separated by commas, as in `live dance --sequence`."""
     group: str = ""
     """One group, or "" for all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepsAdded(ControlEvent):
-    """New takes were found in the folder of steps: they join the dance at the next measure line."""
+    """New takes were found in the step folder; they can be danced from the next measure line on."""
 
     clips: str
-    """Which, a line each."""
+    """Their names, one per line."""
     library: str
     """Hash of the library with them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetMotion(ControlEvent):
-    """How dancers vary and how motion is mended: one parameter, for one group or (group "") for all."""
+    """Sets one parameter of motion variation and correction, for one group or (group "") for all."""
 
     parameter: str
     """A field of `live.show.dancers.variation.Variety`."""
@@ -56,21 +56,21 @@ class SetMotion(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetFacing(ControlEvent):
-    """Where dancers look from their next decided measure on, for one group or (group "*") for all."""
+    """Sets the facing from the next decided measure on, for one group or (group "*") for all."""
 
     facing: str
-    """Words as in the patch: public, path, centre, attractor, degrees, `dancer 3`, a group."""
+    """As in the patch: public, path, centre, attractor, degrees, `dancer 3`, a group."""
     group: str = "*"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clear(ControlEvent):
-    """All attractors, repulsors and spreaders end, and the patch chooses the steps again."""
+    """Ends all attractors, repulsors and spreaders; the patch chooses the steps again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AskWhy(ControlEvent):
-    """Somebody wants to see why a dancer dances what she dances; nothing in the show changes."""
+    """Selects the dancer whose choice of steps is explained; nothing in the show changes."""
 
     dancer: int
-    """Her number from 1; 0: nobody any more."""
+    """The dancer's number from 1; 0: none."""

@@ -1,4 +1,4 @@
-"""Events about the picture as a whole, on its way to the projectors: fade, freeze, flashes, test cards."""
+"""Events of the whole picture and the projectors: fade, freeze, flashes, test cards, quality."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FadePicture(ControlEvent):
-    """The whole picture goes to so much of its light, 0 to 1, within so many beats."""
+    """Fades the whole picture to `level`, 0 to 1, within `beats`."""
 
     level: float
     beats: float = 0.0
@@ -15,30 +15,30 @@ class FadePicture(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreezePicture(ControlEvent):
-    """The picture stands still, or goes on with where the dance is by then."""
+    """Freezes the picture, or continues at the dance's current state."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AllowFlashes(ControlEvent):
-    """The limit on flashes is lifted, or holds again."""
+    """Lifts the limit on flashes, or restores it."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowCard(ControlEvent):
-    """An output shows a test card, or the picture again (`off`)."""
+    """Shows a test card on an output, or the picture again (`off`)."""
 
     output: str
-    """Its name; `*`: all."""
+    """Name of the output; `*`: all."""
     card: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HoldQuality(ControlEvent):
-    """The picture is drawn in this step of quality from now on, or (below 0) in the one that the machine can afford."""
+    """Fixes the quality level of the picture, or (below 0) makes it adaptive."""
 
     step: float
-    """0 is the best; beyond the last one: the last one."""
+    """0 is the best; clamped to the last level."""

@@ -1,4 +1,4 @@
-"""Events about partners: who answers whom, and how far."""
+"""Events of partner responses: parameters, leaders, followers and paths."""
 
 from dataclasses import dataclass
 
@@ -7,31 +7,31 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetPartner(ControlEvent):
-    """How dancers answer their leader: one parameter, of one partner or (`*`) of all."""
+    """Sets one parameter of the response, of one partner or (`*`) of all."""
 
     parameter: str
-    """`on`, `amount`, or `window`: how much earlier or later than the beat units may begin [s]."""
+    """`on`, `amount`, `hands`, or `window`: the largest shift of units from the beat [s]."""
     value: float
     partner: str = "*"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairPartner(ControlEvent):
-    """Others lead or answer from now on."""
+    """Changes the leader or the followers."""
 
     role: str
     """`leader` or `follower`."""
     who: str
-    """A group, or groups, attributes and numbers; `path` as the leader: nobody."""
+    """A group, or groups, attributes and numbers; `path` as the leader: a drawn path."""
     partner: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WalkOn(ControlEvent):
-    """Who walks along a way goes on to (x, z) [m], after all points before."""
+    """Adds the point (x, z) [m] to the path of a dancer that is led by a path."""
 
     x: float
     z: float
     partner: str = "*"
     anew: bool = False
-    """A new way begins: points before do not count any more."""
+    """Whether a new path starts, without the earlier points."""

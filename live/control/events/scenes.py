@@ -1,4 +1,4 @@
-"""Events about the picture, and what is recalled by name: light, camera, looks, scenes."""
+"""Events of picture parameters, passes, camera, spots, backgrounds, looks and scenes."""
 
 from dataclasses import dataclass
 
@@ -7,22 +7,22 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetPicture(ControlEvent):
-    """A parameter of the picture goes to a new value: a number, a colour or a place (`picture_parameters`)."""
+    """Sets or fades a parameter of the picture: a number, a colour or a place (`picture_parameters`)."""
 
     parameter: str
-    """Its address."""
+    """Address of the parameter."""
     x: float
     y: float = 0.0
     z: float = 0.0
-    """The second and third number of a colour or place."""
+    """Second and third number of a colour or place."""
     measures: float = 0.0
     group: str = "*"
-    """Whose colour it is."""
+    """The group, for parameters of groups."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetPass(ControlEvent):
-    """A pass of the picture, by its name, is drawn with this amount: 0 is off. Or a parameter of it is set."""
+    """Sets the amount of a pass (0 is off), or one of its parameters."""
 
     name: str
     amount: float
@@ -33,7 +33,7 @@ class SetPass(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecallView(ControlEvent):
-    """The camera goes to a view of the patch; a cut if it takes no time."""
+    """Moves the camera to a view of the patch, or cuts to it if `measures` is 0."""
 
     name: str
     measures: float = 0.0
@@ -41,56 +41,56 @@ class RecallView(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accompany(ControlEvent):
-    """The camera follows somebody from now on, or nobody."""
+    """The camera follows dancers, or stops following."""
 
     whom: str
-    """A group, dancers' numbers and words for them, or `off`."""
+    """A group, or an expression for dancers, or `off`."""
     along: float = -1.0
-    """How far it goes along, 0 to 1; below 0: as it did."""
+    """How far the camera moves with them, 0 to 1; below 0: unchanged."""
     measures: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FollowSpot(ControlEvent):
-    """A follow spot goes after somebody from now on."""
+    """A follow spot follows dancers."""
 
     whom: str
-    """A group, dancers' numbers and words for them."""
+    """A group, or an expression for dancers."""
     spot: float = 1.0
-    """Which one, from 1."""
+    """Number of the spot, from 1."""
     level: float = 1.0
     measures: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowBackground(ControlEvent):
-    """One of the patch's backgrounds is seen, and no other one."""
+    """Shows one of the patch's backgrounds instead of the others."""
 
     name: str
-    """Its name, or `none`."""
+    """Name of the background, or `none`."""
     measures: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecallLook(ControlEvent):
-    """The light changes to a look of the patch."""
+    """Changes the light to a look of the patch."""
 
     name: str
     measures: float = -1.0
-    """Below 0: as many as the look says."""
+    """Below 0: the look's own duration."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecallScene(ControlEvent):
-    """Everything that a scene holds goes to its value there."""
+    """Recalls all values of a scene."""
 
     name: str
     measures: float = -1.0
-    """Below 0: as many as the scene says."""
+    """Below 0: the scene's own duration."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoreScene(ControlEvent):
-    """A scene of this name keeps where everything is, or is going, now."""
+    """Stores all current values, or the targets of running fades, as a scene of this name."""
 
     name: str

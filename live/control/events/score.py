@@ -1,4 +1,4 @@
-"""Events about the score: where it goes, what is practised, and signals that trigger anything (T016)."""
+"""Events of the score: jumps, hold, practice, improvisation, and signals that trigger reactions (T016)."""
 
 from dataclasses import dataclass
 
@@ -7,18 +7,18 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpTo(ControlEvent):
-    """The score goes to a section at the next measure line, or when the present section is over."""
+    """The score goes to a section at the next measure line, or at the end of the current section."""
 
     section: str
     when: str = "measure"
     """`measure` or `section`."""
     measure: int = 1
-    """The measure of the section with which it goes on, from 1."""
+    """The measure of the section to continue with, from 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advance(ControlEvent):
-    """The score leaves a section that waits or repeats: when its pass is over, or at the next measure line."""
+    """The score leaves a waiting or repeating section: at the end of its pass, or at the next measure line."""
 
     when: str = "section"
     """`measure` or `section`."""
@@ -26,14 +26,14 @@ class Advance(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HoldScore(ControlEvent):
-    """The score stays in its present measure, or goes on; the dance goes on with what it has."""
+    """The score stays in its current measure, or continues; the dance continues with its current steps."""
 
     on: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Practice(ControlEvent):
-    """Measures of the written score come again and again; 0 to 0: no more."""
+    """Repeats measures of the written score; 0 to 0: ends practice."""
 
     first: int
     """From 1."""
@@ -42,7 +42,7 @@ class Practice(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Improvise(ControlEvent):
-    """Groups choose their steps themselves, whatever the score has; or dance what the score has again."""
+    """Groups choose their own steps instead of the score's, or return to the score."""
 
     on: bool
     group: str = "*"
@@ -50,7 +50,7 @@ class Improvise(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal(ControlEvent):
-    """Something has happened in the music, as the score, a hand or an instrument says."""
+    """A musical signal from the score, the operator or an instrument."""
 
     name: str
     value: float = 1.0

@@ -1,7 +1,4 @@
-"""Events that concern the machines of a show, not its dance.
-
-Events of the patch: it was edited while the show runs.
-"""
+"""Events of the machines of a show, and of edits of patch and step files while it runs."""
 
 from dataclasses import dataclass
 
@@ -10,12 +7,12 @@ from live.control.events.event import ControlEvent
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TakeOver(ControlEvent):
-    """A machine that stands by leads from now on; one that leads already does nothing."""
+    """A standby machine becomes the leader; no effect on a leader."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BreakerTripped(ControlEvent):
-    """A stage of the tick ended in an error again and again: the show goes on without it."""
+    """A stage of the tick failed repeatedly and is disabled."""
 
     name: str
     why: str = ""
@@ -23,33 +20,33 @@ class BreakerTripped(ControlEvent):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResetBreaker(ControlEvent):
-    """A stage of the tick is put into service again; empty: all."""
+    """A disabled stage of the tick is enabled again; empty: all."""
 
     name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PatchChanged(ControlEvent):
-    """The patch was edited: what the show makes of it acts from the next measure line on."""
+    """The patch was edited; the change takes effect at the next measure line."""
 
     patch: str
-    """The whole patch as JSON, or that compressed (`live.base.compression`): a replay needs no files."""
+    """The whole patch as JSON, possibly compressed (`live.base.compression`), so that a replay needs no files."""
     version: str
-    """A short hash of it."""
+    """Short hash of the patch."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepsChanged(ControlEvent):
-    """Files of steps were changed or taken away: from the next measure line on nobody begins what they were before.
+    """Step files were changed or removed; from the next measure line on their old clips are not started any more.
 
-    The clips themselves stand in the event, as they were and as they are: a replay does not ask the files.
+    The event contains the old and new clips, so that a replay does not need the files.
     """
 
     gone: str
-    """Names of the clips that are not begun any more, a line each."""
+    """Names of the clips that are not started any more, one per line."""
     was: str
-    """They themselves, as text."""
+    """Those clips as text."""
     now: str
-    """The clips that came, as text; empty if none did."""
+    """The new clips as text; empty if there are none."""
     library: str
     """Hash of the library with them."""

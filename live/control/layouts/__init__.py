@@ -1,1 +1,1 @@
-"""Layouts for tablets, made from the registry of controls. It may import what `control` may."""
+"""Tablet layouts generated from the registry of controls. It may import what `control` may."""

@@ -1,4 +1,6 @@
-"""Open Stage Control: a session file (JSON) of a `Surface`; its server sends to the engine and hears it at one port."""
+"""Writer for Open Stage Control sessions (JSON) of a `Surface`. Its server uses one port to send to and receive from
+the engine.
+"""
 
 import json
 import math
@@ -7,14 +9,14 @@ from typing import Any, Final
 from live.control.layouts.surface import Page, Surface, Widget
 
 VERSION: Final = "1.26.0"
-"""Of the program, from which on the file is as it is written here."""
+"""First program version that supports this file format."""
 COLUMNS: Final = 6
 AGAIN: Final = 1800
-"""Seconds after which the subscription is said again; it lasts an hour."""
+"""Interval at which the subscription is renewed [s]; it lasts an hour."""
 
 
 def session_of(surface: Surface, endpoint: str) -> str:
-    """The session as text; everything goes to `endpoint` (host:port)."""
+    """Return the session as text; all widgets send to `endpoint` (host:port)."""
     tabs = [_tab(number, page, endpoint) for number, page in enumerate(surface.pages)]
     hear = f'send("{endpoint}", "/dance/subscribe", "/dance", {{type: "i", value: 3600}})'
     root = {
@@ -22,7 +24,7 @@ def session_of(surface: Surface, endpoint: str) -> str:
         "id": "root",
         "colorBg": "#101014",
         "tabs": tabs,
-        # values that are told at once, and again before the subscription ends
+        # values are sent at once, and the subscription is renewed before it ends
         "onCreate": f"{hear}\nsetInterval(() => {{ {hear} }}, {AGAIN * 1000})",
     }
     whole = {"createdWith": "Open Stage Control", "version": VERSION, "type": "session", "content": root}
@@ -51,7 +53,7 @@ def _widget(name: str, widget: Widget, endpoint: str) -> dict[str, Any]:
     }
     if widget.kind == "button":
         made |= {"type": "button", "label": widget.label, "wrap": True}
-        # with "tap" a value goes along and no release; with "momentary" the address alone
+        # "tap" sends a value and no release; "momentary" sends the address alone
         return made | ({"mode": "tap", "on": widget.values[0]} if widget.values else {"mode": "momentary"})
     if widget.kind == "toggle":
         made |= {

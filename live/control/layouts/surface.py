@@ -1,7 +1,7 @@
-"""Surface: which control becomes which widget on which page, whatever program shows it.
+"""Control surface: the widgets and pages of the registry's controls, independent of the program that shows them.
 
-What a hand cannot set in one touch is left out: names that nobody knows beforehand, drawn lines, three numbers that are
-no colour.
+Controls that cannot be set in one touch are omitted: names not known beforehand, drawn lines, and three numbers that
+are no colour.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,18 +12,19 @@ from live.control.registry.control import RANKS, Control, Role
 
 WidgetKind = Literal["fader", "toggle", "button", "pad", "colour"]
 MOST_ON_A_PAGE: Final = 24
-"""Widgets that a hand still finds."""
+"""Maximum widgets on a page that is still easy to use."""
 MOST_BUTTONS: Final = 48
-"""Names of one kind that get a button of their own."""
+"""Maximum names of one kind that get a button each."""
 ASKED: Final = frozenset(f"/dance/{what}" for what in ("ping", "get", "subscribe", "unsubscribe"))
-"""What is asked of the port and sets nothing."""
+"""Queries, which set nothing."""
 PAD_REACH: Final = (6.0, 4.5)
-"""Half the width and depth of the stage that a pad shows, where no patch says how large it is [m]."""
+"""Half the width and depth of the stage on a pad [m], where no patch gives its size."""
 
 
 @dataclass(frozen=True, slots=True)
 class Widget:
-    """One fader, button or pad. `minimum`, `maximum`: one number each, of a pad two; `values`: what a button sends."""
+    """One fader, button or pad. `minimum`, `maximum`: one number each, two for a pad; `values`: arguments
+    of a button."""
 
     kind: WidgetKind
     address: str
@@ -33,7 +34,7 @@ class Widget:
     start: tuple[float, ...] = ()
     values: tuple[str, ...] = ()
     once: bool = False
-    """Whether it happens once, when the finger leaves a pad; else it follows the finger."""
+    """Whether a pad sends once, when the finger leaves it; otherwise it sends all movements."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,7 @@ class Page:
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """All pages, and the addresses that got no widget."""
+    """All pages, and the addresses without a widget."""
 
     pages: tuple[Page, ...]
     left_out: tuple[str, ...]
@@ -59,8 +60,10 @@ def make_surface(
     names: Mapping[str, Sequence[str]],
     reach: tuple[float, float] = PAD_REACH,
 ) -> Surface:
-    """What `role` may use. `names`: by address what its first argument may be (steps, cues …); `reach` [m]: half the
-    stage's width and depth."""
+    """Return the surface for `role`.
+
+    `names`: values of an address's first argument (steps, cues …); `reach` [m]: half the stage's width and depth.
+    """
     pages: dict[str, list[Widget]] = {}
     left_out = []
     for control in controls:
@@ -99,7 +102,7 @@ def _widgets(control: Control, names: Sequence[str], reach: tuple[float, float])
     first = arguments[0] if arguments else None
     if [argument.name for argument in required] == ["x", "z"] == [argument.name for argument in arguments[:2]]:
         if control.value > len(required):
-            return  # a hand on a pad would set the rest as well
+            return  # a pad would overwrite the other values
         low, high = (-reach[0], -reach[1]), reach
         yield Widget("pad", address, label, low, high, (0.0, 0.0), once=control.kind == "event")
     elif control.named:
@@ -124,7 +127,7 @@ def _widgets(control: Control, names: Sequence[str], reach: tuple[float, float])
 
 
 def _rest_stays(control: Control) -> bool:
-    """Whether what else there is of its value stays as it is where it is left out."""
+    """Whether further values stay unchanged when they are omitted."""
     return all(argument.default == "" for argument in control.arguments[1 : control.value])
 
 

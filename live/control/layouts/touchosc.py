@@ -1,4 +1,4 @@
-"""TouchOSC: a layout file (.tosc) of a `Surface`, written by py2tosc."""
+"""Writer for TouchOSC layout files (.tosc) of a `Surface`, with py2tosc."""
 
 import math
 from pathlib import Path
@@ -11,7 +11,7 @@ COLUMNS: Final = 6
 INK: Final = {"fader": "#59A6D9", "toggle": "#E0A33E", "button": "#8FBF6B", "pad": "#C77DBA", "colour": "#D9D9D9"}
 HEAR: Final = "/dance/subscribe"
 
-# Three faders are one colour: whoever moves one sends all three, and what comes is shown on all three.
+# Three faders form one colour: moving one sends all three, and a received colour is shown on all three.
 _COLOUR: Final = """function onReceiveNotify()
   local function of(name) return {low} + self.children[name].values.x * {span} end
   sendOSC('{address}', of('red'), of('green'), of('blue'))
@@ -71,7 +71,7 @@ def _widget(widget: Widget) -> Any:
     ranges = zip(widget.minimum, widget.maximum, strict=True)
     if widget.kind == "pad":
         (left, right), (back, front) = ranges
-        # y grows upwards in TouchOSC; the audience sits below
+        # y grows upwards in TouchOSC; the audience is below
         args = [ui.value("x", scale=(left, right)), ui.value("y", scale=(front, back))]
         on, var = ("FALL", "touch") if widget.once else ("ANY", "x")
         message = ui.osc(widget.address, args=args, receive=False, on=on, var=var)
@@ -94,6 +94,6 @@ def _colour(widget: Widget) -> Any:
     ]
     low, high = widget.minimum[0], widget.maximum[0]
     script = _COLOUR.format(address=widget.address, low=low, span=high - low)
-    # bound to its address so that what comes is handed to the script; it sends nothing by itself
+    # bound to its address so that the script receives messages; it sends nothing by itself
     hears = ui.osc(widget.address, args=[], triggers=[], send=False)
     return ui.row(*faders, gap=3, name=widget.label, script=script, messages=[hears])

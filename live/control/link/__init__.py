@@ -1,1 +1,1 @@
-"""Ableton Link: tempo and beat shared with other programs. It may import what `control` may."""
+"""Ableton Link: tempo and beat shared with other programs. May import the same layers as `control`."""

@@ -1,7 +1,4 @@
-"""LinkSession: the show as a participant of an Ableton Link session, followed or led, in a thread of its own.
-
-LinkClock: which second of the show belongs to which microsecond of Ableton Link's clock.
-"""
+"""Participant of an Ableton Link session in its own thread, and the conversion from Link's clock to the show's."""
 
 import math
 import queue
@@ -18,32 +15,31 @@ from live.control.events.events import ControlEvent
 from live.control.link.link_sync import LinkChange, LinkLead, LinkReading, LinkReports, fold_of, peers_in_words
 
 WINDOW: Final = 16
-"""Readings kept for the rate: with one each quarter of a second, four seconds."""
+"""Number of readings kept for the rate; at four readings per second, they span four seconds."""
 
 TRIES: Final = 5
 GOOD: Final = 5e-6
-"""A reading is tried again, five times at most, until it is bracketed within 5 µs."""
+"""A reading is repeated, up to `TRIES` times, until it is bracketed within 5 µs."""
 
 WIDE: Final = 200e-6
-"""A reading that was interrupted for longer is not taken while a good one is younger than ..."""
+"""A reading interrupted for longer than this [s] is ignored while a better one is younger than ..."""
 
 OLD: Final = 2.0
 """... these seconds."""
 
 COUNTED: Final = 1e-6
-"""Link counts whole microseconds: two readings may be this much nearer or farther apart than they say [s]."""
+"""Link counts whole microseconds, so the interval between two readings has this error [s]."""
 
 RATE_LIMIT: Final = 2e-3
-"""The two clocks run apart by at most 500 ppm (what NTP may slew) and two crystals; more is a mistake."""
+"""Limit for the rate difference: 500 ppm (NTP's slew limit) plus the tolerance of two crystals, with margin."""
 
 
 class LinkClock:
-    """Link counts CLOCK_MONOTONIC_RAW, the show the slewed CLOCK_MONOTONIC: they drift apart, and NTP bends the drift.
+    """Converts Link's time (CLOCK_MONOTONIC_RAW) to the show's (CLOCK_MONOTONIC, slewed by NTP), despite drift.
 
-    A reading is Link's clock between two looks at the show's, so its error is known: at most half of what lies
-    between the two. The newest good reading is therefore taken as it is, and the readings before it give only the
-    rate at which to go on from there. (A line fitted through all of them would be late where NTP changes the rate.)
-    Thread: one at a time.
+    Link's clock is read between two readings of the show's clock, so the error is at most half of their distance. The
+    newest good reading gives the offset; the earlier ones give only the rate for extrapolation. (A line fitted through
+    all of them would lag when NTP changes the rate.) Use from one thread at a time.
     """
 
     def __init__(self) -> None:
@@ -52,16 +48,16 @@ class LinkClock:
 
     @property
     def error(self) -> float:
-        """Bound on the error [s] of the newest reading; infinite before the first."""
+        """Upper bound of the error [s] of the newest reading; infinite before the first."""
         return self._readings[-1][2] if self._readings else math.inf
 
     @property
     def rate(self) -> float:
-        """How much faster the show's clock runs than Link's: 1e-6 is one ppm."""
+        """Relative rate of the show's clock to Link's: 1e-6 is one ppm faster."""
         return self._rate
 
     def read(self, micros: Callable[[], int], now: Callable[[], float]) -> None:
-        """Read both clocks, as narrowly as may be."""
+        """Read both clocks, with the narrowest bracket of several tries."""
         best: tuple[float, int, float] | None = None
         for _ in range(TRIES):
             before = now()
@@ -75,7 +71,7 @@ class LinkClock:
         self.observe(*best)
 
     def observe(self, before: float, micros: int, after: float) -> None:
-        """Link's clock showed `micros` between `before` and `after` [s of the show]."""
+        """Add a reading: Link's clock showed `micros` between `before` and `after` [s of the show]."""
         link, half = micros * 1e-6, 0.5 * (after - before)
         if half > WIDE and self._readings and link - self._readings[-1][0] < OLD and self.error < half:
             return
@@ -83,38 +79,38 @@ class LinkClock:
         if len(self._readings) > 1:
             first = self._readings[0]
             span = link - first[0]
-            slack = first[2] + half + COUNTED  # a slope that brackets and counting could have made alone is none
+            slack = first[2] + half + COUNTED  # a slope within the measurement error counts as 0
             rise = self._readings[-1][1] - first[1]
             rise = math.copysign(max(abs(rise) - slack, 0.0), rise)
             self._rate = min(max(rise / span, -RATE_LIMIT), RATE_LIMIT) if span > 0.0 else 0.0
 
     def time_of(self, micros: float) -> float:
-        """Seconds of the show at which Link's clock shows `micros`."""
+        """Return the show's time [s] at which Link's clock shows `micros`."""
         link, offset, _ = self._readings[-1]
         at = micros * 1e-6
         return at + offset + self._rate * (at - link)
 
 
 Mode = Literal["follow", "lead"]
-"""follow: the session is a clock source. lead: it is told the show's tempo and beat, and never followed."""
+"""follow: the session is a clock source. lead: the show sets the session's tempo and beat and never follows it."""
 
 POLL: Final = 0.02
-"""Seconds between two looks at the session (each costs about 10 µs). Polled, for Link's own callbacks come from its
-network thread and would wait there for the interpreter."""
+"""Interval between polls of the session [s]; each costs about 10 µs. Link's callbacks are not used, because they come
+from its network thread and would wait there for the interpreter."""
 
 CLOCKS_EVERY: Final = 0.25
-"""Seconds between two readings of both clocks."""
+"""Interval between readings of both clocks [s]."""
 
 LINK_MIN_BPM: Final = 20.0
 LINK_MAX_BPM: Final = 999.0
 
 
 class LinkUnavailable(Exception):
-    """Link's package is not there, or does not work here; the message says how to get it."""
+    """Link's package is missing or cannot be loaded; the message gives the remedy."""
 
 
 def make_link(tempo: float) -> Any:
-    """A participant, not yet on the network, that begins at `tempo` [bpm]; raises LinkUnavailable."""
+    """Return a participant with initial `tempo` [bpm], not yet on the network; raises LinkUnavailable."""
     try:
         import link
     except ImportError as error:
@@ -126,13 +122,13 @@ def make_link(tempo: float) -> Any:
 
 
 class LinkSession:
-    """Joins the Link session on the local network, and puts BeatHeard and SourceChanged events into an inbox.
+    """Joins the Link session on the local network and puts BeatHeard and SourceChanged events into an inbox.
 
-    Joining changes nobody's tempo or beat: with others there, only `set_tempo`, `set_playing`, `resync` and the mode
-    "lead" tell the session anything. Alone, the session is kept at the show's own tempo and beat, unheard, so that
-    nothing jumps when somebody joins. Link itself looks for network interfaces every few seconds, so they may come
-    and go; somebody who vanishes without a goodbye counts as there for about five seconds.
-    Thread: all methods from one; properties from any.
+    Joining does not change the tempo or beat of others. With peers, only `set_tempo`, `set_playing`, `resync` and the
+    mode "lead" change the session. Without peers the session is kept at the show's tempo and beat and is not a source,
+    so that nothing jumps when a peer joins. Link checks the network interfaces every few seconds, so they may come and
+    go. A peer that disappears without leaving still counts for about five seconds.
+    Call all methods from one thread; read properties from any.
     """
 
     def __init__(
@@ -147,15 +143,15 @@ class LinkSession:
         source: str = "link",
         make: Callable[[float], Any] = make_link,
     ) -> None:
-        """Ready, but not on the network; `tempo` [bpm] is what it begins with where nobody else is.
+        """Prepare, without joining the network; `tempo` [bpm] is the initial tempo without peers.
 
         `start_stop`: share starts and stops, too. Raises LinkUnavailable.
         """
         self.mode: Mode = mode
         self.faults = 0
-        """Looks at the session that failed ..."""
+        """Number of polls that failed ..."""
         self.fault = ""
-        """... and the last fault in words."""
+        """... and the last failure as text."""
         self._link = make(min(max(tempo, LINK_MIN_BPM), LINK_MAX_BPM))
         self._link.startStopSyncEnabled = start_stop
         self._micros: Callable[[], int] = self._link.clock().micros
@@ -166,7 +162,7 @@ class LinkSession:
         self._reports = LinkReports(start_stop=start_stop, source=source)
         self._lead = LinkLead()
         if mode == "lead":
-            self._lead.resync()  # to choose it is to ask for it
+            self._lead.resync()  # choosing this mode implies a resync
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._shown: tuple[Timeline, float] | None = None
         self._beats_per_measure = beats_per_measure
@@ -174,22 +170,22 @@ class LinkSession:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
-    # -- what is known, from any thread ------------------------------------------------------------------------
+    # -- state, readable from any thread -----------------------------------------------------------------------
 
     @property
     def peers(self) -> int:
-        """How many others are in the session."""
+        """Number of other participants in the session."""
         last = self._last
         return 0 if last is None else last.peers
 
     @property
     def reading(self) -> LinkReading | None:
-        """What the session said last; None before the start."""
+        """The last reading of the session; None before the start."""
         return self._last
 
     @property
     def summary(self) -> str:
-        """For people: "off", "alone", "2 peers", "leads 2 peers"."""
+        """Text for the display: "off", "alone", "2 peers", "leads 2 peers"."""
         last = self._last
         if last is None or self._thread is None:
             return "off"
@@ -197,32 +193,31 @@ class LinkSession:
             return "alone"
         return ("leads " if self.mode == "lead" else "") + peers_in_words(last.peers)
 
-    # -- what the show says ------------------------------------------------------------------------------------
+    # -- calls by the show -------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Join."""
+        """Join the session."""
         if self._thread is None:
             self._stop.clear()
             self._thread = threading.Thread(target=self._run, name="Ableton Link", daemon=True)
             self._thread.start()
 
     def stop(self) -> None:
-        """Leave; the source is "lost", if it was there."""
+        """Leave the session; reports the source as "lost" if it was found."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
             self._thread = None
 
     def show(self, timeline: Timeline, tempo: float) -> None:
-        """How the show runs now, `tempo` [bpm] being the music's; to be called each frame, costs nothing.
+        """Set the show's current timeline and the music's `tempo` [bpm]; call each frame, never blocks.
 
-        The session's measure takes the timeline's number of beats. Where nobody else is, or when leading, the session
-        runs after it.
+        The session uses the timeline's beats per measure. Without peers, or when leading, the session follows it.
         """
         self._shown = (timeline, tempo)
 
     def set_tempo(self, tempo: float) -> None:
-        """A musician's hand sets everybody's tempo [bpm]; the beat goes on without a step."""
+        """Set the session's tempo [bpm] for all participants; the beat continues without a jump."""
         self._wishes.put(lambda: self._commit_tempo(tempo))
 
     def set_playing(self, playing: bool) -> None:
@@ -230,7 +225,7 @@ class LinkSession:
         self._wishes.put(lambda: self._commit_playing(playing))
 
     def resync(self) -> None:
-        """When leading: a person wants everybody on the show's beat at once ("this is the one")."""
+        """When leading: move all participants to the show's beat at once ("this is the one")."""
         self._wishes.put(self._lead.resync)
 
     # -- the thread --------------------------------------------------------------------------------------------
@@ -244,7 +239,7 @@ class LinkSession:
             while not self._stop.wait(POLL):
                 try:
                     self.poll()
-                except Exception as error:  # a library that fails in the middle of a show must not end its clock
+                except Exception as error:  # a failure of the library must not end the thread
                     self.faults += 1
                     self.fault = f"{type(error).__name__}: {error}"
         finally:
@@ -252,7 +247,7 @@ class LinkSession:
             self._link.enabled = False
 
     def poll(self) -> None:
-        """One look at the session. Thread: Link's own, or in tests the only one."""
+        """Poll the session once. Called on this object's own thread, or directly in tests."""
         now = self._clock.now()
         if now - self._read_clocks_at >= CLOCKS_EVERY:
             self._read_clocks_at = now
@@ -271,7 +266,7 @@ class LinkSession:
             self._put(self._reports.read(reading))
 
     def _read(self) -> LinkReading:
-        peers = int(self._link.numPeers())  # first: who is counted has been heard, the beat below is theirs too
+        peers = int(self._link.numPeers())  # read first, so that the state below includes these peers
         state, micros = self._link.captureSessionState(), self._micros()
         tempo = float(state.tempo())
         fold = fold_of(tempo)
@@ -293,7 +288,7 @@ class LinkSession:
             place = state.forceBeatAtTime if change.force else state.requestBeatAtTime
             on = change.phase + (self._line.time_of(micros) - reading.time) * change.tempo / 60.0
             place(on, micros, float(reading.beats_per_measure))
-        if change.force or self.mode == "lead" or not self._link.numPeers():  # nobody came in between
+        if change.force or self.mode == "lead" or not self._link.numPeers():  # unless a peer joined in between
             self._link.commitSessionState(state)
 
     def _commit_tempo(self, tempo: float) -> None:

@@ -1,9 +1,4 @@
-"""LinkLead: what to tell a Link session so that it runs with the show, gently.
-
-LinkReading: what a Link session says at one instant, in the show's seconds and in beats that dancers can dance.
-
-LinkReports: readings of a Link session in, events for the show out.
-"""
+"""Link synchronization without I/O: readings of a session, changes to lead it, and events for the show."""
 
 import math
 from dataclasses import dataclass
@@ -17,28 +12,28 @@ from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 class LinkReading:
     """A session's tempo, beat and transport at `time`.
 
-    Link allows up to 999 bpm. Beyond what a Timeline can run, every second beat (or every fourth …) is the beat, as
-    Ableton's test plan asks (TEMPO-4); `fold` says how many of Link's beats one is.
+    Link allows up to 999 bpm. Above a Timeline's maximum, every second beat (or every fourth …) counts as the beat, as
+    in Ableton's test plan (TEMPO-4); `fold` is the number of Link beats per beat.
     """
 
     time: float
     """Seconds of the show."""
     peers: int
-    """Other participants of the session; 0: we are alone."""
+    """Number of other participants of the session."""
     tempo: float
     """Folded beats per minute."""
     beat: float
-    """Folded beats; modulo `beats_per_measure` it is what all participants share, the number of measures is our own."""
+    """Folded beats; modulo `beats_per_measure` shared by all participants, the count of measures is local."""
     beats_per_measure: int
     fold: int = 1
     playing: bool = False
-    """The session's transport; it means something only where start/stop is shared."""
+    """The session's transport; meaningful only if start/stop is shared."""
     since: float = 0.0
-    """When the transport was last started or stopped [s]; it may lie ahead."""
+    """When the transport was last started or stopped [s]; may be in the future."""
 
     @property
     def period(self) -> float:
-        """Seconds from beat to beat."""
+        """Seconds per beat."""
         return 60.0 / self.tempo
 
     @property
@@ -48,7 +43,7 @@ class LinkReading:
 
 
 def fold_of(tempo: float) -> int:
-    """How many of Link's beats [bpm] one danced beat is: 1, 2 or 4."""
+    """Return the number of Link beats per danced beat at a Link tempo [bpm]: 1, 2, 4 …"""
     fold = 1
     while tempo / fold > TEMPO_MAX_BPM:
         fold *= 2
@@ -56,46 +51,46 @@ def fold_of(tempo: float) -> int:
 
 
 def apart(phase: float, other: float, quantum: float) -> float:
-    """By how many beats `phase` is ahead of `other`, the short way round: in [-quantum / 2, quantum / 2)."""
+    """Return by how many beats `phase` is ahead of `other`, wrapped to [-quantum / 2, quantum / 2)."""
     return (phase - other + 0.5 * quantum) % quantum - 0.5 * quantum
 
 
 ALONE_PAUSE: Final = 0.25
-"""Seconds between two changes of a session in which nobody else is."""
+"""Minimum interval between changes of a session without peers [s]."""
 
 ALONE_ERROR: Final = 0.002
 LED_ERROR: Final = 0.001
-"""Seconds of phase that are left as they are: alone, and where others listen."""
+"""Phase errors [s] that are not corrected: without peers, and with peers."""
 
 SAME_LEAD_TEMPO: Final = 2e-5
-"""Relative: smaller changes of tempo are not worth a message (0.0024 bpm at 120)."""
+"""Relative change of tempo below which nothing is sent (0.0024 bpm at 120)."""
 
 BEND: Final = 0.03
-"""How much faster or slower than the show the session may run to meet its beat: half a semitone."""
+"""Maximum relative tempo change to correct the phase: half a semitone."""
 
 BEND_TIME: Final = 2.0
-"""Seconds in which a small phase error is run in."""
+"""Seconds in which a small phase error is corrected."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkChange:
-    """What is committed to the session."""
+    """A change to be committed to the session."""
 
     tempo: float
     """Beats per minute from now on."""
     phase: float | None = None
-    """Beats into the measure that now is; None: the session's beat goes on as it is."""
+    """The new position in the measure [beats]; None: the session's beat continues."""
     force: bool = False
-    """Whether the others' beat jumps, too: only where a person has asked for it."""
+    """Whether the peers' beat jumps, too; only on a person's request."""
 
 
 class LinkLead:
-    """Compares the session with the show's Timeline and decides on changes: one a beat at most.
+    """Compares the session with the show's Timeline and decides on changes, at most one per beat.
 
-    Alone, the session simply takes the show's tempo and phase, so that nothing jumps when somebody joins it
-    (BEATTIME-2). With others it is *led*: the tempo is sent, and a phase error is run in by a tempo that is up to 3 %
-    off. Only at `resync` (somebody chose to lead, or set the one) may the beat of all be moved at once, as Ableton's
-    documentation of forceBeatAtTime asks. Pure. Thread: one at a time.
+    Without peers, the session takes the show's tempo and phase, so that nothing jumps when a peer joins (BEATTIME-2).
+    With peers it is *led*: the tempo is sent, and a phase error is corrected by a tempo up to 3 % off. Only `resync`
+    (a person chose to lead, or set the one) may move the beat of all at once, as Ableton's documentation of
+    forceBeatAtTime asks. No I/O. Use from one thread at a time.
     """
 
     def __init__(self) -> None:
@@ -103,15 +98,15 @@ class LinkLead:
         self._force = False
 
     def resync(self) -> None:
-        """A person asks for it: the next change may move everybody's beat."""
+        """Let the next change move the beat of all participants, on a person's request."""
         self._force = True
 
     def change(self, reading: LinkReading, timeline: Timeline, tempo: float) -> LinkChange | None:
-        """What to commit now, if anything; `tempo` is the music's [bpm], the timeline's own carries corrections."""
+        """Return the change to commit now, or None. `tempo` [bpm]: the music's; the timeline's includes corrections."""
         if reading.time < self._next:
             return None
         wanted = timeline.phase_at(reading.time)
-        behind = apart(wanted, reading.phase, reading.beats_per_measure) * 60.0 / tempo  # seconds that the session is
+        behind = apart(wanted, reading.phase, reading.beats_per_measure) * 60.0 / tempo  # the session's lag [s]
         change = (self._led if reading.peers else self._alone)(reading, tempo, wanted, behind)
         if change is not None:
             self._next = reading.time + (60.0 / tempo if reading.peers else ALONE_PAUSE)
@@ -126,7 +121,7 @@ class LinkLead:
         if self._force:
             self._force = False
             return LinkChange(tempo, wanted, force=True)
-        if reading.fold != 1:  # somebody races: first back to a tempo in which beats can be compared
+        if reading.fold != 1:  # tempo too fast: first return to one in which beats can be compared
             return LinkChange(tempo)
         bend = 0.0 if abs(behind) <= LED_ERROR else min(max(behind / BEND_TIME, -BEND), BEND)
         asked = tempo * (1.0 + bend)
@@ -138,28 +133,28 @@ def _differ(tempo: float, other: float) -> bool:
 
 
 LONGEST: Final = 0.5
-"""A beat is named at least so often [s], and twice in every beat ..."""
+"""Maximum interval between BeatHeard events [s]; there are at least two per beat ..."""
 
 SHORTEST: Final = 0.05
-"""... but not more often than this [s]."""
+"""... but this is the minimum interval [s]."""
 
 JUMP_SECONDS: Final = 0.015
 JUMP_BEATS: Final = 0.02
-"""A session whose beat is farther than this from where its tempo takes it has jumped."""
+"""A session has jumped if its beat is farther than this from the beat predicted by its tempo."""
 
 SAME_REPORTED_TEMPO: Final = 1e-6
 """Relative; Link's tempo is a whole number of microseconds per beat, so a new one differs by more."""
 
 
 class LinkReports:
-    """Decides what the show must hear of a session: that it is there, its next beat, its jumps and its transport.
+    """Turns readings of a session into events: found and lost, next beat, jumps and transport.
 
-    A session without others is not a source: the show would hear itself. With at least one peer it is "found", with
-    none left "lost". Pure: what is read comes as values with times. Thread: one at a time.
+    A session without peers is not a source, because the show would follow itself. With the first peer it is "found",
+    without the last one "lost". No I/O: readings carry their times. Use from one thread at a time.
     """
 
     def __init__(self, *, start_stop: bool = False, source: str = "link") -> None:
-        """`start_stop`: whether "started" and "stopped" are told."""
+        """`start_stop`: whether "started" and "stopped" are reported."""
         self._start_stop = start_stop
         self._source = source
         self._last: LinkReading | None = None
@@ -169,13 +164,13 @@ class LinkReports:
 
     @property
     def heard(self) -> bool:
-        """Whether the session is a source now."""
+        """Whether the session is a source."""
         return self._last is not None
 
     def read(self, reading: LinkReading) -> list[ControlEvent]:
-        """Events that this reading gives cause for, oldest first."""
+        """Return the events that follow from this reading, oldest first."""
         if not reading.peers:
-            return self.end(reading.time, "nobody else is there") + self._transport_of(reading)
+            return self.end(reading.time, "no peers left") + self._transport_of(reading)
         events: list[ControlEvent] = []
         last, self._last = self._last, reading
         jump = False
@@ -189,14 +184,14 @@ class LinkReports:
         return events + self._transport_of(reading)
 
     def end(self, time: float, why: str) -> list[ControlEvent]:
-        """The session is left, or all others have left it: "lost", if it was there."""
+        """Report the session as "lost", if it was found, because we or all peers have left it."""
         if self._last is None:
             return []
         self._last = None
         return [self._changed("lost", time, why)]
 
     def _beat(self, reading: LinkReading, jump: bool) -> BeatHeard:
-        """The next beat."""
+        """Return an event for the next beat."""
         number = math.floor(reading.beat) + 1
         measure, beat = divmod(number, reading.beats_per_measure)
         return BeatHeard(
@@ -212,11 +207,12 @@ class LinkReports:
         )
 
     def _transport_of(self, reading: LinkReading) -> list[ControlEvent]:
-        """A start is told at the measure line it waits for (STARTSTOPSTATE-1: "according to its quantization")."""
+        """Report transport changes; a start at the measure line it waits for (STARTSTOPSTATE-1: "according to its
+        quantization")."""
         if not self._start_stop:
             return []
         transport = (reading.playing, reading.since)
-        if self._transport is None:  # what was so when we came is nobody's command
+        if self._transport is None:  # the initial state is not a change
             self._transport = transport
         elif transport != self._transport:
             if reading.playing != self._transport[0]:
@@ -247,7 +243,7 @@ def _differs(last: LinkReading, reading: LinkReading) -> bool:
 
 
 def _jumped(last: LinkReading, reading: LinkReading) -> bool:
-    """Whether the beat is not where the tempo, old or new, would have taken it since the last reading."""
+    """Whether the beat differs from the one predicted since the last reading by the old or the new tempo."""
     if reading.fold != last.fold or reading.beats_per_measure != last.beats_per_measure:
         return True
     elapsed = (reading.time - last.time) / 60.0
@@ -258,7 +254,7 @@ def _jumped(last: LinkReading, reading: LinkReading) -> bool:
 
 
 def _line_after(reading: LinkReading, time: float) -> float:
-    """When the first measure line at or after `time` falls [s]."""
+    """Return the time of the first measure line at or after `time` [s]."""
     beat = reading.beat + (time - reading.time) / reading.period
     measures = math.ceil(beat / reading.beats_per_measure - 1e-6)
     return time + (measures * reading.beats_per_measure - beat) * reading.period

@@ -1,1 +1,1 @@
-"""MIDI ports, messages, maps and learning. It may import what `control` may."""
+"""MIDI ports, messages, maps and learning. May import the same layers as `control`."""

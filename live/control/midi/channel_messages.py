@@ -1,7 +1,7 @@
-"""MidiHands: what hands and feet do, from channel messages: which note, controller, bend … and where it stands now.
+"""Decoder for MIDI channel messages: notes, controllers, pitch bend and so on, with their positions.
 
-Controllers come twice: with their own 7 bits and, below 32, as pairs of 14 bits with the one 32 higher (MIDI 1.0, data
-entry and controllers 0 to 63); 98, 99, 6 and 38 are also read as parameters without a registered number (NRPN).
+A controller is reported with its own 7 bits and, below 64, also as a 14-bit pair of controllers n and n + 32 (MIDI
+1.0, data entry and controllers 0 to 63); 98, 99, 6 and 38 are also read as non-registered parameters (NRPN).
 """
 
 from collections.abc import Sequence
@@ -20,30 +20,33 @@ LENGTHS: Final = {NOTE_OFF: 3, NOTE_ON: 3, CONTROLLER: 3, PROGRAM: 2, PRESSURE: 
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """Something was pressed, let go or moved."""
+    """One action on a controller: a press, release or movement."""
 
     kind: Kind
     number: int
     channel: int
     """1 to 16."""
     share: float
-    """Where it stands, 0 to 1; how hard it was pressed."""
+    """Position or velocity, 0 to 1."""
     step: float
-    """The least by which that moves."""
+    """The smallest change of `share`."""
     down: bool
     """Whether it is pressed, or in the upper half."""
     fine: bool = False
-    """Whether it is a pair of controllers."""
+    """Whether it is a 14-bit pair of controllers."""
 
 
 class _Pair:
-    """Two controllers that are one number of 14 bits; many send the upper seven alone, or first."""
+    """Two controllers that form a number of 14 bits; many devices send only the upper seven, or send them first."""
 
     def __init__(self) -> None:
         self.high, self.low, self.has_low = 0, 0, False
 
     def coarse(self, value: int) -> float:
-        """The upper seven bits came: until the lower ones do, the end that lies towards where they came from."""
+        """Update the upper seven bits; return the position.
+
+        The lower bits become those nearest to the old position until the new ones arrive.
+        """
         up, self.high = value >= self.high, value
         if not self.has_low:
             return value / MOST
@@ -51,26 +54,26 @@ class _Pair:
         return self.share
 
     def finer(self, value: int) -> float:
-        """The lower seven bits came."""
+        """Update the lower seven bits; return the position."""
         self.low, self.has_low = value, True
         return self.share
 
     @property
     def share(self) -> float:
-        """Where they are together, 0 to 1."""
+        """The position, 0 to 1."""
         return (self.high * 128 + self.low) / FINEST
 
 
 class MidiHands:
-    """Reads one port. Thread: one at a time."""
+    """Decoder for the messages of one port. Use from one thread at a time."""
 
     def __init__(self) -> None:
         self._pairs: dict[tuple[int, int], _Pair] = {}
-        self._numbers: dict[int, list[int]] = {}  # of each channel: upper and lower bits of the NRPN; -1: none
-        self._data: dict[int, tuple[int, _Pair]] = {}  # of each channel: the one that is set now
+        self._numbers: dict[int, list[int]] = {}  # per channel: upper and lower bits of the NRPN; -1: none
+        self._data: dict[int, tuple[int, _Pair]] = {}  # per channel: the current NRPN
 
     def played(self, message: Sequence[int]) -> list[Played]:
-        """What a message tells; nothing for what is no hand's, or broken."""
+        """Return the actions in a message; empty for other or malformed messages."""
         if len(message) < 2 or not 0x80 <= message[0] < 0xF0 or not 0 <= min(message[1:]) <= max(message[1:]) <= MOST:
             return []
         status, channel, first = message[0] >> 4, (message[0] & 15) + 1, message[1]

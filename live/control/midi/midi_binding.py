@@ -1,4 +1,4 @@
-"""Binding: one line of a MIDI map: what is played, which control it works, and how."""
+"""MIDI bindings: which note or controller operates which control, and how."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,20 +12,20 @@ Kind = Literal["note", "cc", "program", "bend", "pressure", "nrpn"]
 Mode = Literal["toggle", "momentary"]
 
 MOVING: Final = ("cc", "bend", "pressure", "nrpn")
-"""Kinds that have a place between two ends; the others are pressed."""
+"""Kinds with a continuous position; the others are pressed."""
 HIGHEST: Final[dict[Kind, int]] = {"note": 127, "cc": 127, "program": 127, "bend": 0, "pressure": 0, "nrpn": 16383}
-"""The highest number of each kind; a channel has one bend and one pressure."""
+"""The highest number of each kind; a channel has one pitch bend and one pressure."""
 FINE_BELOW: Final = 32
-"""Controllers below this have a second one, 32 higher, for their lower seven bits."""
+"""Controllers below this may have a second one, 32 higher, for their lower seven bits."""
 
 
 class BadBinding(ValueError):
-    """A line of a map that cannot work; the message says why and what could."""
+    """The binding cannot work; the message gives reason and remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """One line of a map. BadBinding if the control does not exist or cannot be worked so."""
+    """One line of a MIDI map. Raises BadBinding if the control does not exist or cannot be operated so."""
 
     kind: Kind
     number: int
@@ -33,21 +33,21 @@ class Binding:
     channel: int = 0
     """1 to 16; 0: all."""
     values: Mapping[str, Plain] = field(default_factory=dict)
-    """Arguments of the control that are always the same, by name."""
+    """Fixed arguments of the control, by name."""
     scale: tuple[float, float] | None = None
-    """What the lowest and the highest place mean; the argument's own range if not given."""
+    """Values at the lowest and the highest position; None: the argument's own range."""
     curve: float = 1.0
-    """The place, 0 to 1, to this power is the share of the scale: 2 is finer at the low end, 0.5 at the high end."""
+    """Exponent from position, 0 to 1, to share of the scale: 2 is finer at the low end, 0.5 at the high end."""
     fine: bool = False
-    """Whether a controller is one of a pair of 14 bits."""
+    """Whether a controller is part of a 14-bit pair."""
     velocity: bool = False
-    """Whether a note sets a number by how hard it is struck."""
+    """Whether a note sets a number by its velocity."""
     mode: Mode | None = None
-    """How a switch is worked: None is toggle for notes and programs, momentary for controllers."""
+    """How a switch is operated; None: toggle for notes and programs, momentary for controllers."""
     pickup: bool | None = None
-    """Whether nothing happens until the place crosses the present value; None: for controllers, not for springs."""
+    """Whether soft takeover is used; None: for cc and nrpn, not for pitch bend and pressure."""
     lit: tuple[int, int] = (0, 127)
-    """What a pad is told when its switch is off and on: velocities, which many take as colours."""
+    """Velocities sent to a pad when its switch is off and on; many pads show them as colours."""
 
     def __post_init__(self) -> None:
         try:
@@ -92,19 +92,19 @@ class Binding:
 
     @property
     def slot(self) -> Argument | None:
-        """The argument that is set by what is played: a controller's number or switch, or what presses toggle."""
+        """The argument that is set: the first free number or switch for controllers, the first switch for presses."""
         free = [argument for argument in REGISTRY[self.control].arguments if argument.name not in self.values]
         wanted = ("float",) if self.velocity else ("float", "bool") if self.kind in MOVING else ("bool",)
         return next((argument for type_ in wanted for argument in free if argument.type == type_), None)
 
     @property
     def toggles(self) -> bool:
-        """Whether a press turns a switch over."""
+        """Whether a press toggles a switch."""
         return self.mode == "toggle" or (self.mode is None and self.kind not in MOVING)
 
     @property
     def picks_up(self) -> bool:
-        """Whether it does nothing until it crosses the present value."""
+        """Whether soft takeover is used."""
         return self.kind in ("cc", "nrpn") if self.pickup is None else self.pickup
 
     @property
@@ -113,12 +113,12 @@ class Binding:
         return self.kind, self.number, self.channel
 
     def value(self, share: float) -> float:
-        """What the place `share`, 0 to 1, sets."""
+        """Return the value at position `share`, 0 to 1."""
         low, high = self._bounds
         return low + (high - low) * (share if self.curve == 1.0 else share**self.curve)
 
     def share(self, value: float) -> float:
-        """The place, 0 to 1, that sets `value`; the nearest end for one beyond the scale."""
+        """Return the position, 0 to 1, that sets `value`, clamped to the scale."""
         low, high = self._bounds
         share = min(max((value - low) / (high - low), 0.0), 1.0) if high != low else 0.0
         return share if self.curve == 1.0 else float(share ** (1.0 / self.curve))
@@ -126,12 +126,12 @@ class Binding:
     @property
     def _bounds(self) -> tuple[float, float]:
         slot = self.slot
-        assert slot is not None  # nobody asks for the value of a press
+        assert slot is not None  # a press has no value
         return self.scale or (slot.minimum, slot.maximum)
 
 
 def joined(written: Sequence[Binding], learned: Sequence[Binding]) -> tuple[Binding, ...]:
-    """What was learned, and of what was written all that is not played by the same thing."""
+    """Return the learned bindings with those written ones that no learned one replaces."""
     taken = {(binding.kind, binding.number) for binding in learned}
     channels = {binding.place for binding in learned}
 
@@ -159,4 +159,4 @@ DEFAULTS: Final = (
     Binding("note", 44, "/dance/clock/shift", 16, {"beats": 1.0}),
     Binding("note", 45, "/dance/clock/count_in", 16),
 )
-"""What works without a map: pedals on any channel (sustain, sostenuto, soft) and notes from C2 (36) on channel 16."""
+"""Bindings without a map: pedals on any channel (sustain, sostenuto, soft) and notes from C2 (36) on channel 16."""

@@ -1,7 +1,7 @@
-"""MidiClockOut: the show's beat as MIDI clock on a port: 24 pulses a beat, start, stop, continue, song position.
+"""MIDI clock output: 24 pulses per beat, start, stop, continue and song position.
 
-A thread of its own sleeps until shortly before each pulse and then watches the clock. The Timeline is handed over by
-one assignment, so the show never waits; pulses are placed by absolute times, so nothing adds up.
+Its thread sleeps until shortly before each pulse and then busy-waits. The show sets the Timeline by one assignment and
+never waits. Pulses are placed at absolute times, so errors do not accumulate.
 """
 
 import sys
@@ -19,38 +19,38 @@ from live.control.midi.midi_streams import Port
 from live.control.realtime_priority import hurry
 
 NEAR: Final = 0.0015
-"""Seconds before a pulse at which sleeping ends ..."""
+"""Seconds before a pulse at which sleep ends and busy-waiting starts ..."""
 
 NEAR_POLITE: Final = 0.0001
-"""... and where others come first: whoever watches the clock there has used his share up when it counts."""
+"""... and without real-time priority, where a longer busy-wait would use up the time slice before the pulse."""
 
 NAP: Final = 0.010
-"""Longest sleep [s]: a Timeline handed over meanwhile counts."""
+"""Longest sleep [s], so that a new Timeline takes effect."""
 
 GOODBYE: Final = 0.05
-"""Seconds that the last message gets to leave before the port is closed."""
+"""Seconds that the last message gets before the port is closed."""
 
 TAKES: Final = 0.005
-"""Looking whether the port is still there is done only where so many seconds are free."""
+"""The port is checked only if so many seconds are left before the next pulse."""
 
 SWITCH_INTERVAL: Final = 0.0005
-"""Seconds after which Python lets this thread in while another one works; 5 ms, its own, would be heard."""
+"""Thread switch interval [s]; Python's default of 5 ms would be audible jitter."""
 
 
 class MidiClockOut(PortThread):
-    """Sends what a PulseSchedule says. Thread: `follow` from the show, the rest from the one that made it."""
+    """Sends the pulses of a PulseSchedule. Call `follow` from the show's thread, the rest from the creating thread."""
 
     def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
-        """Nothing is opened yet; a port that is not there is waited for."""
+        """Open nothing yet; a missing port is opened as soon as it appears."""
         super().__init__(name, "midi clock out", open_by_name)
         self.failed = 0
-        """Pulses that could not be placed ..."""
+        """Number of pulses that could not be scheduled ..."""
         self.failure = ""
-        """... and why, in words."""
+        """... and the last reason."""
         self.sent = 0
-        """Pulses sent."""
+        """Number of pulses sent."""
         self.late: deque[float] = deque(maxlen=2048)
-        """How late the last pulses were sent [s]."""
+        """Lateness of the most recent pulses [s]."""
         self._clock = clock
         self._schedule = PulseSchedule()
         self._timeline: Timeline | None = None
@@ -59,24 +59,24 @@ class MidiClockOut(PortThread):
         self._switch_interval = sys.getswitchinterval()
 
     def follow(self, timeline: Timeline) -> None:
-        """From now on pulses fall as this Timeline says."""
+        """Send pulses by this Timeline from now on."""
         self._timeline = timeline
 
     def start(self) -> None:
-        """Begin to send."""
+        """Start to send."""
         self._switch_interval = sys.getswitchinterval()
         sys.setswitchinterval(min(SWITCH_INTERVAL, self._switch_interval))
         super().start()
 
     def stop(self) -> None:
-        """Send a stop and end."""
+        """Send a stop message and end the thread."""
         began = self._thread is not None
         super().stop()
         if began:
             sys.setswitchinterval(self._switch_interval)
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         late = sorted(self.late)
         return super().facts() | {
             "pulses": self.sent,
@@ -91,7 +91,7 @@ class MidiClockOut(PortThread):
             while not self._stop.is_set():
                 try:
                     self._step()
-                except Exception as error:  # a pulse that cannot be placed is left out, the next ones come
+                except Exception as error:  # skip a pulse that cannot be scheduled
                     self.failed += 1
                     self.failure = f"{type(error).__name__}: {error}"
                     self._schedule = PulseSchedule()
@@ -103,7 +103,7 @@ class MidiClockOut(PortThread):
             self._close()
 
     def _step(self) -> None:
-        """Sleep on, or send what is due."""
+        """Sleep a little, or send the pulse that is due."""
         now, timeline = self._clock.now(), self._timeline
         if self._port is None or timeline is None:
             self._look(now)
@@ -131,19 +131,19 @@ class MidiClockOut(PortThread):
         try:
             for message in messages:
                 port.send(message)
-        except Exception as error:  # the port has gone
+        except Exception as error:  # the port is gone
             self._lose(words_of(error))
             return False
         return True
 
     def _look(self, now: float) -> None:
-        """See that the port is open, if it is time to."""
+        """Open or check the port, at most every `RETRY` seconds."""
         if now - self._looked >= midi_ports.RETRY:
             self._looked = now
             self._care()
 
     def _care(self) -> None:
-        """As always, but a port that has gone is tried again the next time."""
+        """As the base class, but a lost port is opened again only at the next call."""
         try:
             if self._port is None:
                 self._open()

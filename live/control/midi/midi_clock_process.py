@@ -1,7 +1,7 @@
-"""MidiClockProcess: MidiClockOut in a process of its own, so that the show's Python never delays a pulse.
+"""MIDI clock output in a separate process, so that the show's interpreter never delays a pulse.
 
-The show hands its Timelines over through a pipe that is never waited for; both processes read the same monotonic
-clock. Figures come back as a JSON line a second. The process ends when its standard input does.
+The show writes its Timelines to a non-blocking pipe; both processes read the same monotonic clock. Status figures come
+back as one JSON line per second. The process ends with its standard input.
 """
 
 import contextlib
@@ -30,10 +30,10 @@ RESTART_AFTER: Final = 2.0
 
 
 class MidiClockProcess:
-    """The show's side. Thread: `follow` from the show; `start` and `stop` from the one that made it."""
+    """The show's end. Call `follow` from the show's thread, `start` and `stop` from the creating thread."""
 
     def __init__(self, name: str, clock: Clock) -> None:
-        """Nothing is started yet; a port that is not there is waited for."""
+        """Start nothing yet; a missing port is opened as soon as it appears."""
         self.name = name
         self._clock = clock
         self._process: subprocess.Popen[bytes] | None = None
@@ -43,11 +43,11 @@ class MidiClockProcess:
 
     @property
     def problem(self) -> str:
-        """Why nothing is sent; empty while it is."""
+        """Why nothing is sent; empty if all is well."""
         return str(self._facts["problem"])
 
     def facts(self) -> dict[str, Any]:
-        """For the status line; a second old."""
+        """Return figures for the status line, up to a second old."""
         return self._facts
 
     def start(self) -> None:
@@ -59,9 +59,9 @@ class MidiClockProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C ends the show, and the show this
+            start_new_session=True,  # Ctrl-C ends the show, which then ends this process
         )
-        assert self._process.stdin is not None  # asked for above
+        assert self._process.stdin is not None
         os.set_blocking(self._process.stdin.fileno(), False)
         self._told = None
         self._started_at = self._clock.now()
@@ -69,7 +69,7 @@ class MidiClockProcess:
         threading.Thread(target=reading, name="midi clock out", daemon=True).start()
 
     def follow(self, timeline: Timeline) -> None:
-        """From now on pulses fall as this Timeline says; a process that has ended is started again."""
+        """Send pulses by this Timeline from now on; a process that has ended is restarted."""
         process = self._process
         if process is None or timeline is self._told:
             return
@@ -81,12 +81,12 @@ class MidiClockProcess:
             return
         assert process.stdin is not None
         values = (timeline.tempo, timeline.beat_origin, timeline.time_origin, timeline.beats_per_measure)
-        with contextlib.suppress(OSError):  # full, or just ended: the next one counts
+        with contextlib.suppress(OSError):  # pipe full or process just ended: the next Timeline replaces this one
             os.write(process.stdin.fileno(), TIMELINE.pack(*values, timeline.measure_origin))
             self._told = timeline
 
     def _start_again(self, ended: "subprocess.Popen[bytes]") -> None:
-        """In place of the process that has ended; a system that has no room for one now is asked again later."""
+        """Restart a process that has ended; if the system has no resources for it, `follow` tries again later."""
         self._close(ended)
         try:
             self.start()
@@ -94,7 +94,7 @@ class MidiClockProcess:
             self._facts = {**self._facts, "problem": f"the sender cannot be started: {error.strerror or error}"}
 
     def stop(self) -> None:
-        """End the song and the process."""
+        """Stop the clock and the process."""
         process, self._process = self._process, None
         if process is not None:
             self._close(process)
@@ -118,9 +118,9 @@ class MidiClockProcess:
 
 
 def main(name: str, origin: float) -> None:
-    """The process' side: send until the standard input ends."""
+    """Run the process: send until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.disable()  # nothing here refers to itself, and a search for what does would be late pulses
+    gc.disable()  # there are no reference cycles here, and a collection would delay pulses
     sends = MidiClockOut(name, SystemClock(origin))
     sends.start()
     ended = threading.Event()
@@ -130,7 +130,7 @@ def main(name: str, origin: float) -> None:
 
     def say() -> None:
         while not ended.wait(FIGURES_EVERY):
-            with contextlib.suppress(OSError):  # the show has gone
+            with contextlib.suppress(OSError):  # the show is gone
                 print(json.dumps(sends.facts()), flush=True)
 
     threading.Thread(target=tell, daemon=True).start()

@@ -1,6 +1,6 @@
-"""MidiDecoding: what one sender's messages say, as events: clock, time code, notes, and what hands and feet do.
+"""Decoder from one sender's MIDI messages to events: clock, time code, notes and mapped controls.
 
-It has no port, thread or clock: messages come with their times, from a port (`MidiInput`) or a file
+It has no port, thread or clock: messages are passed in with their times, from a port (`MidiInput`) or a file
 (`MidiSongPlayer`).
 """
 
@@ -20,14 +20,14 @@ from live.control.midi.midi_queue import put_by_hand
 from live.control.registry.rejections import Rejection
 
 ECHO: Final = 0.06
-"""Seconds in which what was told to a controller comes back, if it does."""
+"""Seconds within which a message sent to a controller may come back."""
 
 NO_HAND: Final = frozenset((0xF8, 0xFE))
-"""Messages that come all the time: clock and sensing."""
+"""Messages that come all the time: clock and active sensing."""
 
 
 class MidiDecoding:
-    """Puts BeatHeard, SourceChanged, NotesHeard and the map's events into the inbox. Thread: one at a time."""
+    """Puts BeatHeard, SourceChanged, NotesHeard and the map's events into the inbox. Use from one thread at a time."""
 
     def __init__(
         self,
@@ -39,29 +39,29 @@ class MidiDecoding:
         notes: NoteEnergy | None = None,
         clocked: bool = True,
     ) -> None:
-        """`inbox`: a lane of its own, where others share it and are not to be crowded out.
+        """`inbox`: pass a separate lane if others share the inbox, so that they are not crowded out.
 
-        `clocked`: whether its clock and time code are followed, or only hands are.
+        `clocked`: whether its clock and time code are followed; else only notes and controllers.
         """
         self.messages = 0
         self.last_rejection: Rejection | None = None
-        """What the map last refused."""
+        """The last refusal of the map."""
         self.decoder = decoder if decoder is not None else MidiClock()
         self.time_code = time_code
         self.notes = notes
         self.learning: MidiLearn | None = None
-        """What waits for somebody to move a controller. Thread: any may set it."""
+        """The active MIDI learn, or None. May be set from any thread."""
         self.on_learned: Callable[[Binding], None] = lambda _: None
-        """Told what was moved. Thread: that of the messages."""
+        """Called with the learned binding, on the thread of the messages."""
         self.echoes: dict[bytes, float] = {}
-        """What was told to a controller, and when [s]: it may come back over a cable, and is no hand's then."""
+        """Messages sent to the controller, with their times [s]; their echoes are ignored."""
         self._clocked = clocked
         self._map = midi_map
         self._inbox = inbox
 
     @property
     def beats_per_measure(self) -> int:
-        """Beats of a measure; MIDI does not tell."""
+        """Beats per measure; MIDI clock does not carry them."""
         return self.decoder.beats_per_measure
 
     @beats_per_measure.setter
@@ -89,13 +89,13 @@ class MidiDecoding:
             self._play(self._map, self._map.hands.played(message), time)
 
     def _play(self, midi_map: MidiMap, played: list[Played], time: float) -> None:
-        """What hands do works controls; what is moved while somebody learns works nothing."""
+        """Apply actions to the map; while MIDI learn is active, movements go to it instead."""
         learning = self.learning
         if learning is not None and played:
             found = learning.hear(played)
             if found is not None:
                 self.learning = None
-                midi_map.take(joined(midi_map.bindings, [found]))  # at once: the hand goes on moving
+                midi_map.take(joined(midi_map.bindings, [found]))  # at once: the movement continues
                 self.on_learned(found)
                 return
             if played[0].kind in MOVING:
@@ -126,7 +126,7 @@ class MidiDecoding:
             )
 
     def look(self, now: float) -> None:
-        """What is known at `now` because nothing came."""
+        """Advance time to `now` without a message, to detect missing clocks."""
         self._put("midi", self.decoder.advance(now))
         if self.time_code is not None:
             self._put("mtc", self.time_code.advance(now))
@@ -137,7 +137,7 @@ class MidiDecoding:
             self._inbox.put(event_of(item, source, self.decoder.beats_per_measure))
 
     def unplugged(self, now: float) -> None:
-        """The sender has gone."""
+        """Handle the loss of the sender."""
         self._put("midi", self.decoder.unplugged(now))
         if self.time_code is not None:
             self._put("mtc", self.time_code.unplugged(now))
@@ -146,7 +146,7 @@ class MidiDecoding:
 
 
 def event_of(item: News, source: str, beats_per_measure: int) -> ControlEvent:
-    """What a decoder tells, as an event of the show."""
+    """Return a clock decoder's report as an event of the show."""
     if isinstance(item, ClockState):
         return SourceChanged(time=item.time, source=source, state=item.state, detail=item.detail)
     beat: ClockBeat = item

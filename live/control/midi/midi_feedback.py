@@ -1,9 +1,7 @@
-"""MidiFeedback: what controllers are told, so that lights of pads and motor faders show what the show does.
+"""MIDI feedback: sends the show's values to pad lights and motor faders, and the output port for it.
 
-A pad is told how its switch stands, whoever turned it over: it does not know by itself. A fader is told where it
-belongs, but not while a hand moves it, nor what the hand has just set.
-
-MidiOutput: messages to one MIDI port by name, sent by its thread.
+A pad gets the state of its switch after every change. A fader gets its position, except while it is being moved and
+for a value that it has just set.
 """
 
 import contextlib
@@ -31,15 +29,15 @@ from live.control.midi.midi_ports import Open, PortThread, open_output, words_of
 from live.control.registry.registry import Values
 
 OWN: Final = 1.0
-"""Seconds after its last move in which a fader is not told anything."""
+"""Seconds after its last move in which a fader gets no feedback."""
 EVERY: Final = 0.05
-"""Seconds from one turn to the next at least ..."""
+"""Minimum interval between two updates [s] ..."""
 AT_ONCE: Final = 48
-"""... and bindings that are told in one at most: what a cable of MIDI 1.0 takes in that time."""
+"""... and maximum number of bindings in one: the capacity of a MIDI 1.0 cable in that time."""
 
 
 class MidiFeedback:
-    """Tells what a map's bindings set. Thread: the show's; the map's own may work it meanwhile."""
+    """Encodes the values of a map's bindings. Use from the show's thread; the map may be used by its own meanwhile."""
 
     def __init__(self, midi_map: MidiMap, values: Values) -> None:
         self._map, self._values = midi_map, values
@@ -47,13 +45,13 @@ class MidiFeedback:
         self._all: dict[tuple[str, object], Binding] = {}
         self._due: dict[tuple[str, object], Binding] = {}
         self._told: dict[tuple[str, object], tuple[int, ...]] = {}
-        self._channels: dict[tuple[str, object], int] = {}  # on which something was played last
+        self._channels: dict[tuple[str, object], int] = {}  # last channel played
         self._next = 0.0
         self.sent = 0
-        """Values that were told."""
+        """Number of values sent."""
 
     def take(self, bindings: Sequence[Binding]) -> None:
-        """From now on these hold: controllers are told where they are."""
+        """Replace the bindings and queue all their values."""
         self._of, self._due, self._all = {}, {}, {}
         for binding in bindings:
             if binding.kind not in ("program", "pressure") and binding.slot is not None:
@@ -63,24 +61,24 @@ class MidiFeedback:
         self.changed(self._of)
 
     def changed(self, addresses: Iterable[str]) -> None:
-        """These have other values."""
+        """Mark the values at these addresses as changed."""
         for address in addresses:
             for binding in self._of.get(address, ()):
                 self._due[key(binding)] = binding
 
     def afresh(self) -> None:
-        """Somebody was plugged in who knows nothing."""
+        """Queue all values again, for a device that was connected again."""
         self._told.clear()
         self.changed(self._of)
 
     def turn(self, now: float) -> list[bytes]:
-        """What is to be told at `now` [s]."""
+        """Return the messages to send at `now` [s]."""
         if now < self._next:
             return []
         self._next = now + EVERY
         moved = self._map.moved.copy()
         for name, (_, at, _) in moved.items():
-            if now - at >= OWN and name in self._all:  # the hand has left it, perhaps somewhere else
+            if now - at >= OWN and name in self._all:  # no longer moved, and perhaps off the value
                 self._due[name] = self._all[name]
         messages: list[bytes] = []
         for name, binding in list(self._due.items())[:AT_ONCE]:
@@ -103,7 +101,7 @@ class MidiFeedback:
 
 
 def _numbers(binding: Binding, value: float) -> tuple[int, ...]:
-    """The data bytes that say a value."""
+    """Return the data bytes for a value."""
     slot = binding.slot
     if slot is not None and slot.type == "bool":
         return (binding.lit[bool(value)],) if binding.kind == "note" else _places(binding, float(bool(value)))
@@ -111,7 +109,7 @@ def _numbers(binding: Binding, value: float) -> tuple[int, ...]:
 
 
 def _places(binding: Binding, share: float) -> tuple[int, ...]:
-    """The data bytes of a place, the upper seven bits first where there are 14."""
+    """Return the data bytes for a position, the upper seven bits first if there are 14."""
     if binding.kind == "bend":
         bend = round(2 * share * MIDDLE if share <= 0.5 else MIDDLE + (2 * share - 1) * (FINEST - MIDDLE))
         return divmod(bend, 128)
@@ -137,33 +135,36 @@ def _messages(binding: Binding, channel: int, numbers: tuple[int, ...]) -> Itera
 
 
 LOOK: Final = 0.2
-"""Seconds between two looks whether an open port still is."""
+"""Seconds between checks whether an open port still exists."""
 WAITING_MAX: Final = 512
-"""Messages that may wait; more are counted and dropped."""
+"""Maximum number of waiting messages; more are counted and dropped."""
 WAITS: Final = 0.1
 
 
 class MidiOutput(PortThread):
-    """Thread: `send` from the show's; `start` and `stop` from the one that made it."""
+    """Sends messages to one MIDI port by name, from its own thread.
+
+    Call `send` from the show's thread, `start` and `stop` from the creating thread.
+    """
 
     def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
-        """Nothing is opened yet; a port that is not there is waited for."""
+        """Open nothing yet; a missing port is opened as soon as it appears."""
         super().__init__(name, "midi out", open_by_name)
         self.sent = 0
         self.dropped = 0
-        """Messages that waited too long, or were sent into nothing."""
+        """Number of messages dropped because the queue was full or no port was open."""
         self._clock = clock
         self._waiting: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
     def send(self, message: bytes) -> None:
-        """Send a message soon; never blocks."""
+        """Queue a message; never blocks."""
         if self._waiting.qsize() >= WAITING_MAX:
             self.dropped += 1
             return
         self._waiting.put(message)
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         return super().facts() | {"sent": self.sent, "dropped": self.dropped}
 
     def _run(self) -> None:
@@ -185,6 +186,6 @@ class MidiOutput(PortThread):
         try:
             self._port.send(message)
             self.sent += 1
-        except Exception as error:  # the port has gone
+        except Exception as error:  # the port is gone
             self.dropped += 1
             self._lose(words_of(error))

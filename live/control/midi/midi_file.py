@@ -1,12 +1,8 @@
-"""MidiSong: a MIDI file as messages at their times, with the beat of its tempo map as MIDI clock.
+"""Reader and player for Standard MIDI Files.
 
-Read by mido, which knows running status of files; what it makes of a broken file is one PersonError. The file's beat is
-its quarter note, as MIDI clock has it.
-
-MidiSongPlayer: a song's messages through the same decoders and map as those of a port, by the show's time alone.
-
-It has no clock and no thread: at each tick it is asked for what the song does until then, so that the same song gives
-the same events at the same ticks, live, in a film, and at any frame rate.
+Files are read by mido; any failure becomes a PersonError. A beat is a quarter note, and the tempo map is converted to
+MIDI clock. The player has no clock or thread: at each tick it returns the events up to that time. The same song
+therefore gives the same events at the same ticks, live, in a film, and at any frame rate.
 """
 
 import math
@@ -29,26 +25,26 @@ from live.control.midi.midi_mapping import MidiMap
 MOST_BYTES: Final = 16_000_000
 MOST_MESSAGES: Final = 1_000_000
 LONGEST: Final = 24 * 3600.0
-"""Seconds of a song at most."""
+"""Maximum length of a song [s]."""
 OPTION: Final = "--midi-file"
 
 
 @dataclass(frozen=True, slots=True)
 class MidiSong:
-    """A song: (time [s] since its beginning, bytes) in order, with start, a pulse at each 24th of a beat, and stop."""
+    """A song as (time [s] from its start, bytes) in order, including start, 24 clock pulses per beat, and stop."""
 
     name: str
     messages: tuple[tuple[float, bytes], ...]
     metres: tuple[tuple[float, int], ...]
-    """When [s] measures begin to have so many quarter notes."""
+    """(time [s], quarter notes per measure from then on)."""
     tempo: float
-    """At its beginning [bpm]."""
+    """Initial tempo [bpm]."""
     length: float
-    """Seconds until the end of its last beat."""
+    """Time of the end of its last beat [s]."""
 
 
 class _Map:
-    """The tempo map: seconds of ticks that only grow."""
+    """Tempo map: converts ticks to seconds; ticks must not decrease between calls."""
 
     def __init__(self, ticks_per_beat: int, changes: list[tuple[int, int]]) -> None:
         """`changes`: (tick, microseconds of a quarter note) in order."""
@@ -56,7 +52,7 @@ class _Map:
         self._next, self._tick, self._time, self._quarter = 0, 0.0, 0.0, 500_000
 
     def seconds(self, tick: float) -> float:
-        """When a tick falls [s]."""
+        """Return the time of a tick [s]."""
         while self._next < len(self._changes) and self._changes[self._next][0] <= tick:
             at, quarter = self._changes[self._next]
             self._time += (at - self._tick) * self._quarter / self._per_beat * 1e-6
@@ -65,7 +61,7 @@ class _Map:
 
 
 def read_song(path: Path) -> MidiSong:
-    """The song in a Standard MIDI File of format 0 or 1; PersonError if it is none, or far too long."""
+    """Return the song in a Standard MIDI File of format 0 or 1; PersonError if it is invalid or too long."""
     try:
         if path.stat().st_size > MOST_BYTES:
             raise PersonError(f"{OPTION} {path}: larger than {MOST_BYTES // 1_000_000} MB")
@@ -80,7 +76,7 @@ def read_song(path: Path) -> MidiSong:
         raise PersonError(f"{OPTION} {path}: {error.strerror or error or 'it ends too early'}") from None
     except PersonError:
         raise
-    except Exception as error:  # whatever a broken file makes of mido
+    except Exception as error:  # mido raises many kinds for a broken file
         raise PersonError(f"{OPTION} {path}: not a MIDI file that can be read: {type(error).__name__}") from None
     return _song(path.name, track, per_beat, f"{OPTION} {path}")
 
@@ -97,7 +93,7 @@ def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
     beats = math.ceil(last / per_beat)
     length = _Map(per_beat, changes).seconds(beats * per_beat)
     if not 0.0 < length <= LONGEST or beats * PULSES_PER_BEAT > MOST_MESSAGES:
-        raise PersonError(f"{where}: {length:.0f} s long", "a song has notes, and lasts a day at most")
+        raise PersonError(f"{where}: {length:.0f} s long", "a song needs notes, and may last a day at most")
     time_of = _Map(per_beat, changes)
     played: list[tuple[float, bytes]] = []
     metres = []
@@ -115,10 +111,10 @@ def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
 
 
 class MidiSongPlayer:
-    """Plays one song once, from the beginning of the show. Thread: the show's."""
+    """Plays one song once from the start of the show, with a port's decoders and map. Use from the show's thread."""
 
     def __init__(self, song: MidiSong, bindings: Sequence[Binding], *, beats_per_measure: int) -> None:
-        """`bindings`: what its notes and controllers work; pedals of the song are music, and work nothing else."""
+        """`bindings`: the map for its notes and controllers; no default bindings, since the song's pedals are music."""
         self.song = song
         self._inbox: Inbox[ControlEvent] = Inbox(capacity=1 << 20)
         self._map = MidiMap(bindings)
@@ -133,11 +129,11 @@ class MidiSongPlayer:
         self._time = 0.0
 
     def take(self, bindings: Sequence[Binding]) -> None:
-        """Its notes work these from now on."""
+        """Replace the bindings."""
         self._map.take(bindings)
 
     def due(self, until: float, *, tempo: float, beats_per_measure: int) -> list[ControlEvent]:
-        """What it does up to `until` [s of the show], which now has this tempo and metre."""
+        """Return the events up to `until` [s of the show], given the show's current tempo and metre."""
         self._notes.tempo = tempo
         self._decodes.beats_per_measure = beats_per_measure
         song, found = self.song, list[ControlEvent]()
@@ -156,7 +152,7 @@ class MidiSongPlayer:
         return found + self._inbox.drain()
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         return {
             "file": self.song.name,
             "at_s": round(min(self._time, self.song.length), 2),

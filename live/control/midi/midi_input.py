@@ -1,6 +1,6 @@
-"""MidiInput: one MIDI port: clock, time code and what hands and feet do, into the inbox.
+"""MIDI input port: puts clock, time code, notes and mapped controls into the inbox.
 
-rtmidi's thread stamps what arrives and hands it over; a thread of ours decodes, looks whether the port is still there,
+rtmidi's thread time-stamps messages and queues them. A second thread decodes them, checks that the port still exists,
 and opens it again by name.
 """
 
@@ -22,14 +22,14 @@ from live.control.midi.midi_ports import Open, PortThread, open_port, words_of
 from live.control.midi.midi_streams import Port
 
 LOOK: Final = 0.2
-"""Seconds from one quick look to the next whether an open port still is: what is plugged in again may have its old
-name, and be connected to nobody."""
+"""Seconds between quick checks of an open port: a device that was plugged in again may keep its name but have no
+connection."""
 
 WAITS: Final = 0.05
-"""Seconds after which the decoding thread looks at the time though nothing came."""
+"""Seconds without a message after which the decoding thread advances the time."""
 
 WAITING_MAX: Final = 4096
-"""Messages that may wait to be decoded; more are counted and dropped."""
+"""Maximum number of messages waiting to be decoded; more are counted and dropped."""
 
 
 def _open_input(name: str) -> Port:
@@ -37,7 +37,7 @@ def _open_input(name: str) -> Port:
 
 
 class MidiInput(MidiDecoding, PortThread):
-    """Listens to a port by name and puts what it says into the inbox."""
+    """Decodes the messages of a port, opened by name, into the inbox."""
 
     def __init__(
         self,
@@ -52,26 +52,26 @@ class MidiInput(MidiDecoding, PortThread):
         clocked: bool = True,
         open_by_name: Open = _open_input,
     ) -> None:
-        """Nothing is opened yet. `open_by_name` raises whatever it likes where there is no such port (yet).
+        """Open nothing yet. `open_by_name` may raise any exception if the port is missing.
 
-        The others are those of `MidiDecoding`.
+        For the other parameters see `MidiDecoding`.
         """
         MidiDecoding.__init__(
             self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, clocked=clocked
         )
         PortThread.__init__(self, name, "midi in", open_by_name)
         self.dropped = 0
-        """Messages that waited too long."""
+        """Number of messages dropped because the queue was full."""
         self.failed = 0
-        """Messages, and looks at the time, that a decoder failed at ..."""
+        """Number of exceptions in the decoder ..."""
         self.failure = ""
-        """... and the last failure in words."""
+        """... and the last one as text."""
         self._counted = 0
         self._clock = clock
         self._arrived: queue.SimpleQueue[tuple[float, Sequence[int]]] = queue.SimpleQueue()
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         train = self.decoder.train
         return super().facts() | {
             "messages": self.messages,
@@ -82,7 +82,7 @@ class MidiInput(MidiDecoding, PortThread):
         }
 
     def receive(self, message: Sequence[int]) -> None:
-        """A message arrived. Thread: any; never blocks."""
+        """Queue a message that has arrived. Call from any thread; never blocks."""
         now = self._clock.now()
         if self._arrived.qsize() >= WAITING_MAX:
             self.dropped += 1
@@ -90,7 +90,7 @@ class MidiInput(MidiDecoding, PortThread):
         self._arrived.put((now, message))
 
     def _decode_safely(self, message: Sequence[int], time: float) -> None:
-        """Decode; a message that no decoder foresaw is counted, and the show goes on."""
+        """Decode a message; an exception is counted."""
         try:
             self.decode(message, time)
         except Exception as error:
@@ -101,7 +101,7 @@ class MidiInput(MidiDecoding, PortThread):
         self.failure = f"{where}: {type(error).__name__}: {error}"
 
     def _look_safely(self, now: float) -> None:
-        """Look; a decoder that fails at it is counted, and its port is listened to on."""
+        """Advance the decoder's time; an exception is counted."""
         try:
             self.look(now)
         except Exception as error:
@@ -127,7 +127,7 @@ class MidiInput(MidiDecoding, PortThread):
             self._close()
 
     def _is_there(self) -> bool:
-        """Whether the port that is open still is; lost if not. No port at all is none that has gone."""
+        """Check the open port and close it if it is gone; return False only then, True also without a port."""
         problem = ""
         try:
             if self._port is None or self._port.there:
@@ -138,7 +138,7 @@ class MidiInput(MidiDecoding, PortThread):
         return False
 
     def _lives(self, port: Port) -> bool:
-        """Whether it is there; where nothing has come since the last look, whether its system runs, too."""
+        """Whether the port exists; if no message came since the last check, also whether its system runs."""
         quiet, self._counted = self._counted == self.messages, self.messages
         return port.there and (not quiet or port.system_runs)
 

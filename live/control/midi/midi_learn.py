@@ -1,9 +1,8 @@
-"""MidiLearn: finds out which controller somebody moves, for a control that is to be worked by it.
+"""MIDI learn and soft takeover.
 
-A key or pad that is struck is meant at once; a fader, wheel or bend once it has moved far enough that it cannot
-be noise: the first to have gone so far. A controller whose partner 32 higher moves along is a pair of 14 bits.
-
-Pickup: soft take-over: a fader does nothing until it comes to the value that is there, so that nothing jumps.
+MIDI learn binds a control to the controller that is moved next: a key or pad at once; a fader, wheel or pitch bend
+when it is the first to move farther than noise. A controller that moves together with the one 32 higher is learned as
+a 14-bit pair. With soft takeover (`Pickup`) a fader has no effect until it reaches the current value.
 """
 
 from collections.abc import Mapping
@@ -16,14 +15,14 @@ from live.control.registry.control import Control, Plain
 from live.control.registry.registry import REGISTRY
 
 WIGGLED: Final = 0.05
-"""Share of its way that a fader must have gone."""
+"""Share of its range that a fader must move to be learned."""
 RESERVED_CONTROLLERS: Final = frozenset((6, 38, 96, 97, 98, 99, 100, 101, *range(120, 128)))
-"""Controllers that mean something of their own: data entry, numbers of parameters, modes of the channel."""
+"""Controllers with a fixed meaning: data entry, parameter numbers, channel modes."""
 
 
 @dataclass(slots=True)
 class _Way:
-    """How far something has moved."""
+    """Range over which a controller has moved."""
 
     low: float
     high: float
@@ -34,20 +33,20 @@ _KEY: Final = Played("note", 0, 1, 1.0, 1.0, True)
 
 
 class MidiLearn:
-    """Listens for one control. Thread: one at a time."""
+    """Learns a binding for one control. Use from one thread at a time."""
 
     def __init__(self, control: str, values: Mapping[str, Plain]) -> None:
-        """BadBinding if nothing could ever work the control so."""
+        """Raise BadBinding if no binding is possible for the control with these values."""
         self.control, self.values = control, dict(values)
         self._ways: dict[tuple[Kind, int, int], _Way] = {}
         if self._made(_KEY) is None:
             self._binding(_FADER)
 
     def hear(self, played: list[Played]) -> Binding | None:
-        """What is meant, once that is known, by what one message says was `played`."""
+        """Return the binding once `played`, the actions in one message, decide it; else None."""
         for one in played:
             if one.fine and one.kind == "cc":
-                continue  # told with its own seven bits, too
+                continue  # its 7-bit action comes in the same list
             if one.kind == "cc" and one.number in RESERVED_CONTROLLERS:
                 continue
             if one.kind in MOVING:
@@ -70,13 +69,13 @@ class MidiLearn:
         return self._made(one)
 
     def _is_lower(self, one: Played) -> bool:
-        """Whether it is the lower half of a pair, which moves more, and says less."""
+        """Whether it is the lower half of a pair, which moves more but means less."""
         upper = ("cc", one.number - 32, one.channel)
         return one.kind == "cc" and 32 <= one.number < 64 and upper in self._ways
 
     @property
     def _is_switch(self) -> bool:
-        """Whether the control is one that a button's single message can work."""
+        """Whether a single message of a button can operate the control."""
         try:
             slot = self._binding(_FADER).slot
         except BadBinding:
@@ -86,7 +85,7 @@ class MidiLearn:
     def _made(self, one: Played) -> Binding | None:
         try:
             return self._binding(one)
-        except BadBinding:  # what cannot work it is not meant: a pad for a number, a fader for a name
+        except BadBinding:  # unsuitable, such as a pad for a number or a fader for a name
             return None
 
     def _binding(self, one: Played) -> Binding:
@@ -100,7 +99,7 @@ class MidiLearn:
 
 
 def values_of(address: str, given: str) -> dict[str, Plain]:
-    """The values that `given` names for a control, a line each; BadBinding for what it does not have."""
+    """Return the values of a control that `given` names, one per line; BadBinding for unknown ones."""
     control = REGISTRY.find(address)
     if control is None:
         near = [item.address for item in REGISTRY if item.address.startswith(address.rpartition("/")[0] or "/")]
@@ -133,29 +132,29 @@ def _value(control: Control, name: str, text: str) -> Plain:
 
 
 IN_FLIGHT: Final = 1.0
-"""Seconds in which a value that was set may be on its way there: until then nobody else is thought to have set it."""
+"""Seconds that a value may take to have effect; until then a different value does not count as set by others."""
 CLOSE: Final = 2.0
-"""Steps of the fader by which a value may differ and be the same."""
+"""Tolerance in steps of the fader within which two values are equal."""
 
 
 @dataclass(slots=True)
 class Pickup:
-    """One fader and the value that it sets; all as places of the fader, 0 to 1. Thread: one at a time."""
+    """Soft takeover of one fader; all values are fader positions, 0 to 1. Use from one thread at a time."""
 
     held: bool = False
-    """Whether the fader has the value."""
+    """Whether the fader controls the value."""
     sent: float = 0.0
     at: float = 0.0
-    """What it set last, and when [s]."""
+    """The last value it set, and when [s]."""
     begun: float = 0.0
-    """The value when that was set: a value that fades is between the two."""
+    """The current value at that time; a fading value lies between the two."""
     before: float | None = None
-    """Where the fader was last."""
+    """The fader's previous position."""
 
     def takes(self, share: float, present: float, step: float, time: float, *, fades: bool = False) -> bool:
-        """Whether the fader, which is at `share` now, sets the value, which is `present`; to be told if it does.
+        """Update with the fader at `share` and the value at `present`; return whether the fader sets the value.
 
-        `fades`: what it sets takes a while to come.
+        `fades`: the value changes gradually after it is set.
         """
         before, self.before = self.before, share
         near = CLOSE * step

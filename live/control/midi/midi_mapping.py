@@ -1,8 +1,8 @@
-"""MidiMap: notes, controllers, bends … that work the controls of the registry.
+"""MIDI mapping from notes, controllers, pitch bend and so on to the controls of the registry.
 
-A note or program change is a press; a controller without a value to set (a pedal, a foot switch) is pressed as it
-rises over the middle. Other controllers set the first number of their control, over its range or the one given. A
-control with one switch is toggled by presses and follows controllers.
+A note or program change is a press. A controller without a value to set (a pedal, a foot switch) is pressed when it
+rises above the middle. Other controllers set the first number of their control, over its range or the given scale. A
+switch is toggled by presses and follows controllers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,10 +23,10 @@ _Place = tuple[Kind, int, bool]
 
 
 class MidiMap:
-    """Turns channel messages into events. Thread: one at a time; `take` from any."""
+    """Turns channel messages into events. Use from one thread at a time; `take` may be called from any."""
 
     def __init__(self, bindings: Sequence[Binding] = DEFAULTS, values: Values | None = None) -> None:
-        """`values`: what everything is now, so that faders pick it up and pads turn over what is there."""
+        """`values`: the current values, for soft takeover of faders and toggling by pads."""
         self.hands = MidiHands()
         self._values = values or Values()
         self._bindings: dict[_Place, list[Binding]] = {}
@@ -34,13 +34,13 @@ class MidiMap:
         self._on: dict[tuple[str, object], bool] = {}
         self._pickups: dict[tuple[str, object], Pickup] = {}
         self.moved: dict[tuple[str, object], tuple[float, float, int]] = {}
-        """Where each binding (by `key`) stands as its controller said last, when [s], and on which channel."""
+        """By binding (`key`): the last position of its controller, its time [s], and its channel."""
         self.bindings: tuple[Binding, ...] = ()
-        """The lines that hold."""
+        """The active bindings."""
         self.take(bindings)
 
     def take(self, bindings: Sequence[Binding]) -> None:
-        """From now on these hold; what stays keeps its state."""
+        """Replace the bindings; bindings that stay keep their state."""
         found: dict[_Place, list[Binding]] = {}
         for binding in bindings:
             fine = binding.fine or binding.kind == "nrpn"
@@ -48,11 +48,11 @@ class MidiMap:
         self._bindings, self.bindings = found, tuple(bindings)
 
     def events(self, message: Sequence[int], time: float) -> list[ControlEvent | Rejection]:
-        """What a message that arrived at `time` [s of the show] does; nothing for what is not in the map."""
+        """Return the events for a message received at `time` [s of the show]; empty if it is not mapped."""
         return [made for played in self.hands.played(message) for _, made in self.act(played, time)]
 
     def act(self, played: Played, time: float) -> list[tuple[Binding, ControlEvent | Rejection]]:
-        """What something that was played at `time` [s] does, each by a line of the map."""
+        """Return the events for an action at `time` [s], each with its binding."""
         place = (played.kind, played.number, played.fine)
         bindings = self._bindings.get(place)
         if bindings is None:
@@ -67,7 +67,7 @@ class MidiMap:
         return made
 
     def _work(self, binding: Binding, played: Played, crossed: bool, time: float) -> Iterator[ControlEvent | Rejection]:
-        """What a binding makes of it. `crossed`: whether it has just been pressed or let go."""
+        """Yield the events of one binding. `crossed`: it has just been pressed or released."""
         slot = binding.slot
         value: Plain | None = None
         if slot is not None:
@@ -89,7 +89,7 @@ class MidiMap:
             yield result
 
     def _sets(self, binding: Binding, played: Played, time: float) -> bool:
-        """Whether a number is set: notes by their strokes, and let go if they are momentary; faders that have it."""
+        """Whether a number is set: by a note's press, or its release if momentary; by a fader after takeover."""
         if binding.kind == "note":
             return played.down or binding.mode == "momentary"
         now = present(binding, self._values) if binding.picks_up else None
@@ -100,18 +100,18 @@ class MidiMap:
         return pickup.takes(played.share, binding.share(float(now)), played.step, time, fades=fades)
 
     def _is_on(self, binding: Binding) -> bool:
-        """How a switch stands: as the show says, else as presses have left it."""
+        """Whether a switch is on, by the show's value if known, else by counted presses."""
         now = present(binding, self._values)
         return bool(now) if now is not None else self._on.get(key(binding), False)
 
 
 def key(binding: Binding) -> tuple[str, object]:
-    """A binding by what is played and what it works."""
+    """Return a key for a binding: its control and what is played."""
     return binding.control, (binding.place, binding.fine)
 
 
 def present(binding: Binding, values: Values) -> Plain | None:
-    """What a binding sets, as it is now; None where that has no value, or groups have different ones."""
+    """Return the current value of what a binding sets; None if it has no value or groups differ."""
     control, slot = REGISTRY[binding.control], binding.slot
     if slot is None or slot not in control.valued:
         return None
@@ -127,7 +127,7 @@ def present(binding: Binding, values: Values) -> Plain | None:
 
 
 def _call(binding: Binding, value: Plain | None, time: float) -> object:
-    """Work the control."""
+    """Call the control."""
     control: Control = REGISTRY[binding.control]
     slot = binding.slot
     values = [value if argument is slot else binding.values.get(argument.name) for argument in control.arguments]

@@ -1,9 +1,7 @@
-"""The MIDI ports of this machine by name, through python-rtmidi, which is loaded only when somebody asks for it.
+"""MIDI ports of this machine, looked up by name through python-rtmidi, which is loaded on demand.
 
-ALSA, JACK, Core MIDI and Windows are asked in the order in which rtmidi names them; a system that is not running has
-no ports. Names stay, numbers change: a port is always looked up by its name.
-
-PortThread: a MIDI port by its name, opened whenever it is there, by a thread of its own.
+ALSA, JACK, Core MIDI and Windows are queried in rtmidi's order; a system that is not running has no ports. Ports are
+always looked up by name, because their numbers change. `PortThread` keeps a port open in the background.
 """
 
 import ctypes
@@ -21,19 +19,19 @@ from live.control.midi.midi_streams import RTP, Direction, Port, StreamPort, is_
 from live.control.midi.rtp_midi import RtpPort
 
 OURS: Final = "ChoreoGraphics"
-"""What our side of a connection is called in the system's patch bays."""
+"""Name of our end of a connection in the system's patch bays."""
 
 
 class MidiUnavailable(RuntimeError):
-    """python-rtmidi is missing or no MIDI system runs; the message says what to do."""
+    """python-rtmidi is missing or no MIDI system runs; the message gives the remedy."""
 
 
 class UnknownPort(ValueError):
-    """No port of that name; the message lists those that there are."""
+    """No port has that name; the message lists the available ones."""
 
 
 def rtmidi() -> ModuleType:
-    """The rtmidi module; MidiUnavailable if it cannot be loaded."""
+    """Return the rtmidi module; MidiUnavailable if it cannot be loaded."""
     try:
         import rtmidi as module
     except ModuleNotFoundError as error:
@@ -44,10 +42,10 @@ def rtmidi() -> ModuleType:
 
 
 class OpenPort:
-    """One open connection. Thread: made, used and closed by one; what arrives is handed over on rtmidi's own."""
+    """One open connection. Create, use and close it in one thread; messages arrive on rtmidi's thread."""
 
     def __init__(self, direction: Direction, api: int, wanted: str) -> None:
-        """Connect to the port that `wanted` names; UnknownPort, OSError (of rtmidi) if that fails."""
+        """Connect to the port named `wanted`; UnknownPort or OSError (of rtmidi) if that fails."""
         self.direction = direction
         self._client = _client(direction, api)
         self._jack = api == rtmidi().API_UNIX_JACK
@@ -60,7 +58,7 @@ class OpenPort:
             raise
 
     def listen(self, receive: Callable[[list[int]], None]) -> None:
-        """Every message, clock, sensing and exclusive ones too, is handed to `receive` as it arrives."""
+        """Pass every message, including clock, active sensing and system exclusive, to `receive` as it arrives."""
         self._client.ignore_types(sysex=False, timing=False, active_sense=False)
         self._client.set_callback(lambda event, _data=None: receive(event[0]))
 
@@ -70,14 +68,14 @@ class OpenPort:
 
     @property
     def there(self) -> bool:
-        """Whether the other side still exists: one that has come back under another number has to be opened anew."""
+        """Whether the other side still exists. A port that has returned under another number must be opened again."""
         return self.name in self._client.get_ports()
 
     @property
     def system_runs(self) -> bool:
-        """Whether the MIDI system itself still answers; JACK's lists what was there, also when its server has died.
+        """Whether the MIDI system itself still answers; JACK keeps listing its ports when its server has died.
 
-        Asking costs some milliseconds: for when nothing comes any more.
+        The check takes some milliseconds, so call it only when no messages arrive.
         """
         if not self._jack:
             return True
@@ -88,7 +86,7 @@ class OpenPort:
         return True
 
     def close(self) -> None:
-        """Free it; whatever the system says to that."""
+        """Close the port; errors of the system are ignored."""
         client, self._client = self._client, _Closed()
         if self._jack and not client.get_ports():
             abandon(client)
@@ -98,20 +96,20 @@ class OpenPort:
                 client.cancel_callback()
             client.close_port()
             client.delete()
-        except Exception:  # a system that has gone cannot say goodbye
+        except Exception:  # the system is gone
             return
 
 
 def abandon(client: Any) -> None:
-    """Leave a client as it is for ever: closing one of a JACK server that has died would end this process.
+    """Leak a client on purpose: closing a client of a dead JACK server would end this process.
 
-    That is what no port at all looks like; where the server lives after all, an unconnected client of ours stays.
+    An empty list of ports is taken for a dead server; if the server is alive, an unconnected client stays behind.
     """
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(client))
 
 
 class _Closed:
-    """In place of a client that was closed."""
+    """Replacement for a closed client."""
 
     def get_ports(self) -> list[str]:
         return []
@@ -133,7 +131,7 @@ def _client(direction: Direction, api: int) -> Any:
 
 
 def port_names(direction: Direction) -> dict[int, list[str]]:
-    """The ports of each MIDI system that runs, by rtmidi's number of it; MidiUnavailable if none does."""
+    """Return the ports of each running MIDI system by rtmidi's API number; MidiUnavailable if none runs."""
     found: dict[int, list[str]] = {}
     reasons: list[str] = []
     for api in rtmidi().get_compiled_api():
@@ -142,7 +140,7 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
             continue
         try:
             client = _client(direction, api)
-        except Exception as error:  # rtmidi.SystemError, which is no built-in SystemError
+        except Exception as error:  # rtmidi.SystemError, not the built-in one
             reasons.append(f"rtmidi: {' '.join(str(error).split())}")
             continue
         try:
@@ -156,7 +154,7 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
 
 
 def _absent(api: int) -> str:
-    """Why a system cannot run on this Linux; empty where it may. Asking in vain would write on the terminal."""
+    """Return why a system cannot run on this Linux, else ""; a failing query would print to the terminal."""
     if sys.platform != "linux":
         return ""
     module = rtmidi()
@@ -170,18 +168,18 @@ def _absent(api: int) -> str:
 
 
 def lasting_name(name: str) -> str:
-    """A port's name without the numbers that change when it is plugged in again.
+    """Return a port's name without the numbers that change when it is plugged in again.
 
-    Those are ALSA's of client and port (`Pad 24:0`), those of its bridge to JACK (`a2j:Pad [24] (capture): Pad`), and
-    what JACK adds to a client's name that is taken (`pad-01:out`).
+    These are ALSA's client and port numbers (`Pad 24:0`), those of its bridge to JACK (`a2j:Pad [24] (capture): Pad`),
+    and the suffix that JACK adds to a client's name that is in use (`pad-01:out`).
     """
     return re.sub(r"\s+\d+:\d+$|\s+\[\d+\](?=[\s:]|$)|-\d\d(?=:)", "", name).casefold()
 
 
 def match_port(wanted: str, names: list[str]) -> str:
-    """The port that `wanted` names: an exact name first, then without ALSA's numbers, then a part of one name.
+    """Return the port named `wanted`: an exact match first, then without changing numbers, then as part of one name.
 
-    UnknownPort if there is none, or several of which it is a part.
+    UnknownPort if none matches, or if it is part of several names.
     """
     if wanted in names:
         return wanted
@@ -191,12 +189,12 @@ def match_port(wanted: str, names: list[str]) -> str:
         if len({lasting_name(name) for name in found}) == 1:
             return found[0]
     listed = ", ".join(parts or names) or "none"
-    what = "several MIDI ports are called so" if parts else "there is no such MIDI port"
+    what = "several MIDI ports match this name" if parts else "there is no such MIDI port"
     raise UnknownPort(f"{what}; there are: {listed}")
 
 
 def find_port(direction: Direction, wanted: str) -> str:
-    """The whole name of a port; MidiUnavailable, or UnknownPort with a list of those that there are."""
+    """Return the full name of a port; MidiUnavailable, or UnknownPort with a list of the available ones."""
     if is_stream(wanted):
         return wanted
     systems = port_names(direction)
@@ -211,7 +209,7 @@ def find_port(direction: Direction, wanted: str) -> str:
 
 
 def open_port(direction: Direction, wanted: str) -> Port:
-    """Connect to a port by its name, whichever system has it; MidiUnavailable, UnknownPort or OSError."""
+    """Connect to a port by its name in any MIDI system; MidiUnavailable, UnknownPort or OSError."""
     if is_stream(wanted):
         return (RtpPort if wanted.startswith(RTP) else StreamPort)(direction, wanted)
     for api, names in port_names(direction).items():
@@ -225,32 +223,32 @@ def open_port(direction: Direction, wanted: str) -> Port:
 
 
 def open_output(wanted: str) -> Port:
-    """Connect to a port to send to, by its name; as `open_port`."""
+    """Connect to an output port by its name; as `open_port`."""
     return open_port("output", wanted)
 
 
 RETRY: Final = 2.0
-"""Seconds between two attempts to open a port that is not there, and between two looks whether it still is."""
+"""Seconds between attempts to open a missing port, and between checks whether an open one still exists."""
 
 Open = Callable[[str], Port]
 
 
 class PortThread:
-    """No frame waits for a cable. Subclasses say in `_run` what the thread does, and `_care` there from time to time.
+    """A MIDI port by name with its own thread, so that no frame waits for a device; opened whenever it exists.
 
-    Thread: `start` and `stop` belong to the one that made it, all that touches the port to its own.
+    Subclasses implement the thread in `_run` and call `_care` there regularly. Call `start` and `stop` from the
+    creating thread; only the port's own thread touches the port.
     """
 
     def __init__(self, name: str, what: str, open_by_name: Open) -> None:
-        """Nothing is opened yet. `what` the thread is called; `open_by_name` raises whatever it likes where there is no
-        such port (yet)."""
+        """Open nothing yet. `what`: the thread's name; `open_by_name` may raise anything if the port is missing."""
         self.name = name
         self.connected = ""
-        """The whole name of the port that is open; empty while there is none."""
+        """The full name of the open port; empty if none is open."""
         self.problem = ""
         """Why no port is open."""
         self.opened = 0
-        """How often it was opened: who is there now has heard nothing of what was sent before."""
+        """How often the port was opened; a device that was connected again has received nothing sent before."""
         self._what = what
         self._open_by_name = open_by_name
         self._stop = threading.Event()
@@ -258,55 +256,55 @@ class PortThread:
         self._port: Port | None = None
 
     def start(self) -> None:
-        """Begin; a port that is not there is waited for."""
+        """Start the thread; a missing port is opened as soon as it appears."""
         self._stop.clear()
         self._thread = threading.Thread(target=self._keep_running, name=f"{self._what} {self.name}", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End; a port that hangs is left to its thread after two seconds."""
+        """Stop the thread; after two seconds a port that hangs is left to it."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
             self._thread = None
 
     def facts(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         return {"port": self.connected or self.name, "problem": self.problem}
 
     def _keep_running(self) -> None:
         keep_running(f"{self._what} {self.name}", self._run, self._stop.wait)
 
     def _run(self) -> None:
-        """Work until `_stop`, and `_close` in the end whatever happens."""
+        """Work until `_stop` is set, and `_close` in any case."""
         raise NotImplementedError
 
     def _care(self) -> None:
-        """See that the port is open; whatever goes wrong, there is another time."""
+        """Open the port or check that it still exists; errors are kept for the status and the next call tries again."""
         try:
             if self._port is not None and not self._lives(self._port):
                 self._lose("the port is gone")
             if self._port is None:
                 self._open()
-        except Exception as error:  # MIDI systems come and go: no error of theirs may end the show
+        except Exception as error:  # MIDI systems come and go; their errors must not end the show
             self._lose(words_of(error))
 
     def _lives(self, port: Port) -> bool:
-        """Whether the port that is open still is there."""
+        """Whether the open port still exists."""
         return port.there
 
     def _open(self) -> None:
-        """Open it; raises whatever the system does."""
+        """Open the port; raises any error of the system."""
         self._port = self._open_by_name(self.name)
         self._begin(self._port)
         self.connected, self.problem = self._port.name, ""
         self.opened += 1
 
     def _begin(self, port: Port) -> None:
-        """What is to be done with a port that was opened just now."""
+        """Prepare a port that was just opened."""
 
     def _lose(self, problem: str) -> None:
-        """Give the port up, if one is open, for this reason."""
+        """Close the port, if one is open, and keep the reason."""
         self.problem = problem
         self._close()
 
@@ -317,5 +315,5 @@ class PortThread:
 
 
 def words_of(error: Exception) -> str:
-    """What an error says, on one line."""
+    """Return an error's message on one line."""
     return " ".join(str(error).split())

@@ -1,4 +1,4 @@
-"""What hands do on a MIDI port, in a lane of its own: of a fader's values that nobody has taken yet the last counts."""
+"""Queueing of events from a MIDI port: a fader's value replaces its earlier unread value."""
 
 from live.base.event_queue import Lane
 from live.control.events.events import ControlEvent
@@ -7,15 +7,15 @@ from live.control.registry.control import Control
 from live.control.registry.registry import REGISTRY
 
 WHOLE = ("", "*")
-"""Names of all groups."""
+"""Names that mean all groups."""
 
 
 def put_by_hand(lane: Lane[ControlEvent], binding: Binding, event: ControlEvent) -> None:
-    """Put what `binding` made into the lane, under the key that OSC has for the same; thread: the lane's writer."""
+    """Put an event of `binding` into the lane, under the same key as OSC. Call from the lane's writer thread."""
     control: Control = REGISTRY[binding.control]
     if control.kind == "event":
         lane.put(event)
         return
     whom = control.whom([binding.values.get(argument.name) for argument in control.arguments])
-    # Who sets one group between two values for all is put behind them: the order matters then.
+    # A value for one group keeps its place among values for all groups, because their order matters.
     lane.put(event, (binding.control, *whom), after=bool(whom) and not control.named and whom[-1].strip() not in WHOLE)

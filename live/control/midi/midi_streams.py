@@ -1,13 +1,9 @@
-"""MIDI as a stream of bytes: over TCP, as mido's sockets send it, and of raw devices and pipes.
+"""MIDI byte streams over TCP (as mido's sockets send them), raw devices and pipes, and their tokenizer.
 
-`tcp:HOST:PORT`: to hear, we listen there and others connect; to tell, we connect. `raw:PATH`: a device of the kernel
-(/dev/snd/midiC1D0, a serial line that is set up) or a named pipe. Bytes are cut into messages here (`MidiTokens`).
-`rtp:HOST:PORT`, over RTP, is `rtp_port.py`'s.
-
-MidiTokens: a stream of MIDI bytes cut into messages, as the MIDI 1.0 specification has them.
-
-For bytes of a wire, a raw device, a socket or a network packet. mido 1.3.3's parser loses running status and every
-message that a real-time byte falls into, and keeps exclusive messages without end; so these bytes are cut here.
+`tcp:HOST:PORT`: an input listens there, an output connects. `raw:PATH`: a kernel device (/dev/snd/midiC1D0, a
+configured serial line) or a named pipe. `rtp:HOST:PORT` is in `rtp_midi.py`. `MidiTokens` splits bytes into messages
+by the MIDI 1.0 specification; mido 1.3.3's parser loses running status and every message that a real-time byte
+interrupts, and buffers exclusive messages without limit.
 """
 
 import contextlib
@@ -25,48 +21,48 @@ SYSEX, SYSEX_END = 0xF0, 0xF7
 REAL_TIME: Final = 0xF8
 UNDEFINED: Final = frozenset((0xF4, 0xF5, 0xF9, 0xFD))
 SYSEX_MOST: Final = 4096
-"""Bytes of an exclusive message at most; of a longer one nothing is kept."""
+"""Maximum size of an exclusive message; longer ones are dropped."""
 
 _CHANNEL_LENGTH: Final = (3, 3, 3, 3, 2, 2, 3)
-"""Bytes of a channel message by its kind, from note-off (8) on."""
+"""Size of a channel message by its kind, from note-off (8) on."""
 _COMMON_LENGTH: Final = {0xF1: 2, 0xF2: 3, 0xF3: 2, 0xF6: 1}
 
 
 class MidiTokens:
-    """Cuts one sender's bytes. Pure; thread: one at a time.
+    """Splits one sender's bytes into messages. No I/O; use from one thread at a time.
 
-    A real-time byte is told at once, wherever it stands. Data bytes without a status use the last channel status
-    again, until a system common or exclusive message. What is cut off by another status is dropped and counted.
+    A real-time byte is returned at once, also within another message. Data bytes without a status use the running
+    status, until a system common or exclusive message. A message cut off by another status is dropped and counted.
     """
 
     def __init__(self) -> None:
         self.stray = 0
-        """Data bytes that belong to nothing."""
+        """Number of data bytes without a status."""
         self.cut_off = 0
-        """Messages that another status byte cut off, exclusive ones too."""
+        """Number of messages cut off by another status byte, including exclusive ones."""
         self.undefined = 0
-        """Status bytes that mean nothing."""
+        """Number of undefined status bytes."""
         self.too_long = 0
-        """Exclusive messages that were longer than is kept."""
+        """Number of exclusive messages beyond `SYSEX_MOST`."""
         self._running = 0
-        self._message = bytearray()  # what has begun and is not whole
-        self._length = 0  # of it when it is whole; 0: none has begun, or an exclusive one
-        self._skips = False  # the rest of an exclusive message that is too long
+        self._message = bytearray()  # the incomplete message
+        self._length = 0  # its full length; 0: no message, or an exclusive one
+        self._skips = False  # skipping the rest of an exclusive message that is too long
 
     @property
     def rejected(self) -> int:
-        """All that could not be used."""
+        """Number of all rejected bytes and messages."""
         return self.stray + self.cut_off + self.undefined + self.too_long
 
     def feed(self, data: Iterable[int]) -> Iterator[bytes]:
-        """The messages that are whole with `data` (0 to 255 each), each with its status byte first."""
+        """Yield the messages completed by `data` (0 to 255 each), each with its status byte first."""
         for byte in data:
             found = self._data(byte) if byte < 0x80 else self._status(byte)
             if found:
                 yield found
 
     def end(self) -> None:
-        """The sender has gone: what has begun is dropped, and running status with it."""
+        """Drop the incomplete message and the running status, because the sender is gone."""
         self._cut()
         self._running = 0
 
@@ -111,7 +107,7 @@ class MidiTokens:
             return self._whole()
         if not skipped:
             self._cut()
-            self.undefined += 1  # the end of what never began
+            self.undefined += 1  # an end without a start
         self._running = 0
         return b""
 
@@ -133,26 +129,26 @@ TCP: Final = "tcp:"
 RAW: Final = "raw:"
 RTP: Final = "rtp:"
 MOST_SENDERS: Final = 8
-"""Who may be connected at once; more are turned away."""
+"""Maximum number of connections; more are refused."""
 BYTES_PER_SECOND: Final = 62_500
-"""What is read of one sender at most, twenty cables' worth; the rest waits with the sender."""
+"""Maximum rate read from one sender (twenty MIDI cables); the rest waits at the sender."""
 BLOCK: Final = 1024
 LOOK: Final = 0.1
-"""Seconds after which it is looked whether to end."""
+"""Seconds between checks whether to stop."""
 PATIENCE: Final = 2.0
 
 
 class Port(Protocol):
-    """A MIDI port that is open, of whatever kind."""
+    """An open MIDI port of any kind."""
 
     name: str
 
     def listen(self, receive: Receive) -> None:
-        """Hand every message over as it arrives, from any thread."""
+        """Pass every message to `receive` as it arrives, from any thread."""
         ...
 
     def send(self, message: bytes) -> None:
-        """Send one message; OSError if that cannot be."""
+        """Send one message; OSError if that fails."""
         ...
 
     @property
@@ -162,21 +158,21 @@ class Port(Protocol):
 
     @property
     def system_runs(self) -> bool:
-        """Whether the system that it belongs to does."""
+        """Whether the MIDI system that it belongs to runs."""
         ...
 
     def close(self) -> None:
-        """Free it."""
+        """Close the port."""
         ...
 
 
 def is_stream(name: str) -> bool:
-    """Whether a name means a stream and no port of a MIDI system."""
+    """Whether a name denotes a stream, not a port of a MIDI system."""
     return name.startswith((TCP, RAW, RTP))
 
 
 class StreamPort:
-    """One open stream. Thread: made, used and closed by one; what arrives is handed over on its own."""
+    """One open stream. Create, use and close it in one thread; messages arrive on its own thread."""
 
     system_runs = True
 
@@ -184,7 +180,7 @@ class StreamPort:
         self.name = name
         self.there = True
         self.rejected = 0
-        """Bytes and messages of senders that have gone that could not be used."""
+        """Number of rejected bytes and messages of senders that are gone."""
         self._listener: socket.socket | None = None
         self._senders: dict[int, _Sender] = {}
         self._out = -1
@@ -194,7 +190,7 @@ class StreamPort:
             path = name.removeprefix(RAW)
             if direction == "output":
                 self._out = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
-            else:  # to write as well keeps a pipe open whose writer goes
+            else:  # a pipe opened for writing, too, stays open when its writer goes
                 flags = os.O_RDWR if os.path.exists(path) and not os.path.isfile(path) else os.O_RDONLY
                 self._add(os.open(path, flags | os.O_NONBLOCK), None)
             return
@@ -211,29 +207,29 @@ class StreamPort:
 
     @property
     def address(self) -> tuple[str, int]:
-        """Where it listens: the port that the system chose for 0."""
+        """The listening address, with the port that the system chose for 0."""
         assert self._listener is not None
         host, port = self._listener.getsockname()[:2]
         return str(host), int(port)
 
     def listen(self, receive: Receive) -> None:
-        """Begin to hand over what comes."""
+        """Start to pass messages to `receive`."""
         self._thread = threading.Thread(target=self._run, args=(receive,), name=self.name, daemon=True)
         self._thread.start()
 
     def send(self, message: bytes) -> None:
-        """Send one message whole; OSError where the other side has gone or takes nothing any more."""
+        """Send one complete message; OSError if the other side is gone or does not read."""
         if self._out < 0:
             raise OSError("the MIDI port is closed")
         try:
             if os.write(self._out, message) < len(message):
-                raise OSError("the other side takes nothing any more")
+                raise OSError("the other side does not read any more")
         except OSError:
             self.there = False
             raise
 
     def close(self) -> None:
-        """Free it."""
+        """Close the stream and all connections."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=PATIENCE)
@@ -278,7 +274,7 @@ class StreamPort:
 
     def _accept(self) -> None:
         assert self._listener is not None
-        with contextlib.suppress(OSError):  # it has gone again
+        with contextlib.suppress(OSError):  # the client is gone already
             connection, _ = self._listener.accept()
             if len(self._senders) >= MOST_SENDERS:
                 connection.close()
@@ -288,7 +284,7 @@ class StreamPort:
 
 
 class _Sender:
-    """One who sends: where its bytes come from, and what of a message has come."""
+    """One sender: its descriptor and its tokenizer."""
 
     def __init__(self, number: int, connection: socket.socket | None) -> None:
         self.tokens = MidiTokens()
@@ -296,11 +292,11 @@ class _Sender:
         self._again = 0.0
 
     def may_read(self, now: float) -> bool:
-        """Whether it has not sent more than is read of one."""
+        """Whether it is below its rate limit."""
         return now >= self._again
 
     def read(self, receive: Receive) -> bool:
-        """Hand over what has come; False if the sender has gone."""
+        """Read and pass on messages; return False if the sender is gone."""
         try:
             data = os.read(self._number, BLOCK)
         except BlockingIOError:
@@ -313,7 +309,7 @@ class _Sender:
         return bool(data)
 
     def close(self) -> None:
-        """Free it."""
+        """Close its descriptor."""
         self.tokens.end()
         if self._connection is not None:
             self._connection.close()
@@ -322,7 +318,7 @@ class _Sender:
 
 
 def address_of(name: str) -> tuple[str, int]:
-    """Host and port of `tcp:HOST:PORT`; ValueError with what is expected."""
+    """Return host and port of a name such as `tcp:HOST:PORT`; ValueError names the expected form."""
     kind = name[:4]
     host, _, port = name.removeprefix(kind).rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:

@@ -1,8 +1,7 @@
-"""MIDI over RTP: what one datagram holds (RFC 6295), and how a session is begun and kept (Apple's protocol).
+"""MIDI over RTP: payload format (RFC 6295), session protocol (Apple's), and an input port for both.
 
-We are invited and never invite. Recovery journals are not read: where packets are lost, all notes end.
-
-RtpPort: MIDI over RTP as a port that is listened to: sessions of macOS and iOS, rtpMIDI of Windows, rtpmidid.
+Works with sessions of macOS and iOS, rtpMIDI on Windows and rtpmidid. It only accepts invitations. Recovery journals
+are not read; if packets are lost, all notes are ended.
 """
 
 import contextlib
@@ -26,7 +25,7 @@ INVITATION, ACCEPTED, REFUSED, GOODBYE, SYNC = b"IN", b"OK", b"NO", b"BY", b"CK"
 VERSION: Final = 2
 MOST_SESSIONS: Final = 8
 SILENT_FOR: Final = 70.0
-"""Seconds after which a session of which nothing comes is over; inviters synchronise every ten seconds or so."""
+"""Seconds without a packet after which a session ends; initiators synchronise about every ten seconds."""
 NAME_MOST: Final = 64
 UNITS: Final = 10_000.0
 """Timestamps count tenths of a millisecond."""
@@ -40,13 +39,13 @@ _COMMON: Final = {0xF1: 2, 0xF2: 3, 0xF3: 2}
 
 
 class BadPacket(ValueError):
-    """A datagram that is no MIDI over RTP."""
+    """The datagram is not valid MIDI over RTP."""
 
 
 def commands(payload: bytes) -> bytes:
-    """The MIDI bytes of a payload, without the times between its commands; BadPacket where it is cut off.
+    """Return the MIDI bytes of a payload without the delta times; BadPacket if it is truncated.
 
-    An exclusive message may come in pieces, of several packets: F0 … F0, F7 … F0, F7 … F7; F7 … F4 takes it back.
+    An exclusive message may be split over packets: F0 … F0, F7 … F0, F7 … F7; F7 … F4 cancels it.
     """
     if not payload:
         raise BadPacket("no header")
@@ -63,7 +62,7 @@ def commands(payload: bytes) -> bytes:
     while at < size:
         if timed:
             at = _after_time(part, at)
-            if at == size:  # a time may stand alone at the end
+            if at == size:  # a delta time may come last
                 break
         timed = True
         end, running = _after_command(part, at, running)
@@ -73,14 +72,14 @@ def commands(payload: bytes) -> bytes:
 
 
 def _whole(command: bytes) -> bytes:
-    """A command as a wire has it: pieces of an exclusive message without the bytes that mark them as pieces."""
+    """Return a command as sent over a MIDI cable: segments of an exclusive message lose their segment marks."""
     if command[0] not in (0xF0, 0xF7):
         return command
     return command[command[0] == 0xF7 : len(command) - (command[-1] == 0xF0)]
 
 
 def _after_time(part: bytes, at: int) -> int:
-    """Behind a time of one to four bytes."""
+    """Return the position after a delta time of one to four bytes."""
     for end in range(at + 1, at + 5):
         if end > len(part):
             raise BadPacket("a time is cut off")
@@ -90,7 +89,7 @@ def _after_time(part: bytes, at: int) -> int:
 
 
 def _after_command(part: bytes, at: int, running: int) -> tuple[int, int]:
-    """Behind the command at `at`, and the running status then."""
+    """Return the position after the command at `at`, and the running status there."""
     status, end = part[at], at
     if status < 0x80:
         if not running:
@@ -98,7 +97,7 @@ def _after_command(part: bytes, at: int, running: int) -> tuple[int, int]:
         return _checked(part, at, at + _LENGTHS[running >> 4] - 1), running
     if status < 0xF0:
         return _checked(part, at, at + _LENGTHS[status >> 4]), status
-    if status in (0xF0, 0xF7):  # an exclusive message, or a piece of one
+    if status in (0xF0, 0xF7):  # an exclusive message, or a segment of one
         end = at + 1
         while end < len(part) and part[end] < 0x80:
             end += 1
@@ -118,44 +117,44 @@ def _checked(part: bytes, at: int, end: int) -> int:
 
 @dataclass(slots=True)
 class _Session:
-    """Somebody who has invited us."""
+    """One session with a participant that has invited us."""
 
     source: int
     token: int
     name: str
     heard: float
     data: Where | None = None
-    """Where its music comes from, once it has invited us there, too."""
+    """Source address of its MIDI data, set when it has also sent the invitation to the data port."""
     number: int | None = None
-    """Of its last packet."""
+    """Sequence number of its last packet."""
     tokens: MidiTokens = field(default_factory=MidiTokens)
 
 
 class RtpMidi:
-    """The sessions of one pair of ports. Pure: datagrams come with their senders and times. Thread: one at a time."""
+    """Protocol state of one pair of ports. No I/O: datagrams are passed in. Use from one thread at a time."""
 
     def __init__(self, source: int, name: str = "ChoreoGraphics") -> None:
-        """`source`: our own identifier (SSRC), any number of 32 bits."""
+        """`source`: our own identifier (SSRC), any 32-bit number."""
         self.rejected = 0
-        """Datagrams that are of no session, broken, or refused."""
+        """Number of datagrams that were malformed, refused, or outside any session."""
         self.lost = 0
-        """Packets that never came."""
+        """Number of lost packets."""
         self._source, self._name = source, name
         self._sessions: dict[tuple[str, int], _Session] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Who plays now."""
+        """Names of the connected participants."""
         return tuple(session.name for session in self._sessions.values() if session.data is not None)
 
     def hear(self, datagram: bytes, sender: Where, now: float, *, control: bool) -> tuple[list[bytes], list[bytes]]:
-        """(answers, MIDI messages) of a datagram that came from `sender` at `now` [s], to the control port or not."""
+        """Return (answers, MIDI messages) for a datagram from `sender` at `now` [s], on the control or data port."""
         self._forget(now)
         try:
             if datagram[:2] == b"\xff\xff":
                 return self._converse(datagram, sender, now, control=control), []
             if control:
-                raise BadPacket("music on the port of control")
+                raise BadPacket("MIDI data on the control port")
             return [], list(self._play(datagram, sender, now))
         except (BadPacket, struct.error):
             self.rejected += 1
@@ -171,7 +170,7 @@ class RtpMidi:
             name = datagram[_EXCHANGE.size :].split(b"\0")[0][:NAME_MOST].decode("utf-8", "replace")
             return [self._invited(key, token, name, sender, now, control=control)]
         session = self._sessions.get(key)
-        if what == GOODBYE and session is not None:  # with its token or none, as macOS sends it
+        if what == GOODBYE and session is not None:  # with or without its token; macOS sends none
             del self._sessions[key]
             return []
         if what == b"RS":
@@ -224,24 +223,24 @@ class RtpMidi:
 
 
 LOOK: Final = 0.1
-"""Seconds after which it is looked whether to end."""
+"""Seconds between checks whether to stop."""
 LARGEST: Final = 2048
 AT_ONCE: Final = 64
-"""Datagrams that are read of one socket before the other has its turn."""
+"""Maximum number of datagrams read from one socket before the other has its turn."""
 
 
 class RtpPort:
-    """Two sockets, control at PORT and data at PORT + 1, and a thread of its own. It hears and is never told."""
+    """RTP-MIDI input port with its own thread and two sockets: control at PORT and data at PORT + 1."""
 
     system_runs = True
 
     def __init__(self, direction: Direction, name: str) -> None:
-        """Bind both; OSError, or ValueError for an address that is none."""
+        """Bind both sockets; OSError, or ValueError for an invalid address."""
         host, port = address_of(name)
         if direction == "output":
-            raise ValueError(f"{RTP} hears and cannot be told: name a MIDI port or tcp:HOST:PORT")
+            raise ValueError(f"{RTP} is for input only: name a MIDI port or tcp:HOST:PORT")
         if port == 65535:
-            raise ValueError(f"{name!r}: the port after it is needed, too")
+            raise ValueError(f"{name!r}: the next port is needed, too; choose a lower one")
         self.name = name
         self.there = True
         self.protocol = RtpMidi(int.from_bytes(os.urandom(4)))
@@ -260,16 +259,16 @@ class RtpPort:
             raise
 
     def listen(self, receive: Receive) -> None:
-        """Hand over what comes, on a thread of its own."""
+        """Pass messages to `receive` from its own thread."""
         self._thread = threading.Thread(target=self._run, args=(receive,), name=self.name, daemon=True)
         self._thread.start()
 
     def send(self, message: bytes) -> None:
-        """It cannot."""
-        raise OSError("MIDI over RTP is only listened to")
+        """Not supported; raises OSError."""
+        raise OSError("MIDI over RTP is for input only")
 
     def close(self) -> None:
-        """Free both sockets."""
+        """Close both sockets."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
@@ -294,12 +293,12 @@ class RtpPort:
                         break
 
     def _read(self, sock: socket.socket, receive: Receive, *, control: bool) -> bool:
-        """Read one datagram, if there is one."""
+        """Read one datagram; return False if there is none."""
         try:
             datagram, sender = sock.recvfrom(LARGEST)
         except BlockingIOError:
             return False
-        except OSError:  # an answer could not be delivered
+        except OSError:  # an earlier answer was undeliverable
             return True
         if not is_near(sender[0]):
             self.protocol.rejected += 1

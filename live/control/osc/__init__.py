@@ -1,1 +1,1 @@
-"""Open Sound Control and OSCQuery: sockets, packets, schedule, answers. It may import what `control` may."""
+"""Open Sound Control and OSCQuery. May import the same layers as `control`."""

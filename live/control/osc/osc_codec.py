@@ -1,11 +1,10 @@
-"""A bounded decoder for Open Sound Control 1.0 packets: what is not exactly right and of modest size is refused.
+"""Decoder and encoder for Open Sound Control 1.0 packets.
 
-Pure: bytes in, messages out, all or nothing per packet; the only exception is OscRejected. Work is linear in the
-packet's length. Beyond the standard's types i f s b the decoder takes h d T F N I t m; N (nil) and I (impulse) both
-become None, "no value here". Everything else (S, c, r, arrays) is refused, and so are NaN and infinities, and messages
-without a type tag string. A bundle's time tag is handed over, not acted upon; so are addresses with wildcards.
-
-What is sent as OSC: messages as python-osc builds them, and rows of them in bundles that fit into a datagram.
+The decoder is strict and bounded: a packet that is malformed or too large is refused as a whole with OscRejected, the
+only exception it raises. Work is linear in the packet's length. Besides the standard's types i f s b it accepts
+h d T F N I t m; N (nil) and I (impulse) both become None, "no value". All other types (S, c, r, arrays), NaN,
+infinities and messages without a type tag string are refused. Time tags and wildcard addresses are returned as they
+are. The encoder builds messages with python-osc and packs several into bundles that fit into one datagram.
 """
 
 import re
@@ -24,7 +23,7 @@ MAX_ARGUMENTS: Final = 64
 MAX_STRING_BYTES: Final = 256
 MAX_BLOB_BYTES: Final = 1024
 IMMEDIATELY: Final = 1
-"""The time tag that means "now", and that of a message outside any bundle."""
+"""The time tag that means "now"; also given to a message outside any bundle."""
 
 Value = float | int | bool | str | bytes | tuple[int, int, int, int] | None
 """Types f d; i h t (a time tag as its 64-bit number); T F; s; b; m (port, status, data 1, data 2); N I."""
@@ -43,7 +42,7 @@ _INFINITY: Final = float("inf")
 
 
 class OscRejected(Exception):
-    """A packet that is refused as a whole, for `reason`."""
+    """A packet was refused as a whole, for `reason`."""
 
     def __init__(self, reason: Reason) -> None:
         super().__init__(reason)
@@ -51,7 +50,7 @@ class OscRejected(Exception):
 
 
 class Message(NamedTuple):
-    """One OSC message. A named tuple, because it costs a third of a frozen dataclass and a flood makes many."""
+    """One OSC message. A named tuple costs a third of a frozen dataclass, which matters in a flood."""
 
     address: str
     arguments: tuple[Value, ...]
@@ -60,7 +59,7 @@ class Message(NamedTuple):
 
 
 def decode(packet: bytes | bytearray | memoryview) -> list[Message]:
-    """The messages of one packet in their order; OscRejected if anything at all is wrong with it."""
+    """Return the messages of one packet in order; OscRejected if any part of it is wrong."""
     data = packet if type(packet) is bytes else bytes(packet)
     size = len(data)
     if not 0 < size <= MAX_PACKET_BYTES:
@@ -85,7 +84,7 @@ def _decode_bundle(data: bytes, start: int, stop: int, depth: int, messages: lis
         raise OscRejected(Reason.ADDRESS)
     position = start + _BUNDLE_HEADER.size
     while position < stop:
-        (size,) = _SIZE.unpack_from(data, position)  # packets and elements are multiples of 4: four bytes are there
+        (size,) = _SIZE.unpack_from(data, position)  # packets and elements are multiples of 4, so four bytes remain
         position += 4
         if size <= 0 or size & 3 or size > stop - position:
             raise OscRejected(Reason.ELEMENT_SIZE)
@@ -99,7 +98,7 @@ def _decode_bundle(data: bytes, start: int, stop: int, depth: int, messages: lis
 
 
 def _message(data: bytes, start: int, stop: int, timetag: int) -> Message:
-    """The one message that fills data[start:stop]."""
+    """Return the message that fills data[start:stop]."""
     end, position = _string_end(data, start, stop)
     address = data[start:end]
     forbidden = _FORBIDDEN_IN_PATTERN if b"{" in address else _FORBIDDEN
@@ -117,7 +116,7 @@ def _message(data: bytes, start: int, stop: int, timetag: int) -> Message:
 
 
 def _arguments(data: bytes, tags: bytes, position: int, stop: int) -> tuple[tuple[Value, ...], int]:
-    """The values that `tags` announce from `position` on, and where they end."""
+    """Return the values of type `tags` from `position` on, and the position after them."""
     values: list[Value] = []
     for tag in tags:
         number = _NUMBERS.get(tag)
@@ -152,18 +151,18 @@ def _arguments(data: bytes, tags: bytes, position: int, stop: int) -> tuple[tupl
 
 
 def _string_end(data: bytes, start: int, stop: int) -> tuple[int, int]:
-    """Where the string that begins at `start` ends, and where what follows its padding begins."""
+    """Return the end of the string at `start`, and the position after its padding."""
     end = data.find(b"\0", start, min(stop, start + MAX_STRING_BYTES + 1))
     if end < 0:
         raise OscRejected(Reason.UNTERMINATED)
-    after = (end + 4) & ~3  # strings begin at multiples of 4 from the packet's start, and so they end
+    after = (end + 4) & ~3  # strings begin and end at multiples of 4 from the packet's start
     if data[end:after] != _ZEROS[after - end]:
         raise OscRejected(Reason.PADDING)
     return end, after
 
 
 def _blob(data: bytes, position: int, stop: int) -> tuple[bytes, int]:
-    """The blob at `position`, and where what follows its padding begins."""
+    """Return the blob at `position`, and the position after its padding."""
     if position + 4 > stop:
         raise OscRejected(Reason.TRUNCATED)
     (size,) = _SIZE.unpack_from(data, position)
@@ -179,12 +178,12 @@ def _blob(data: bytes, position: int, stop: int) -> tuple[bytes, int]:
 
 
 MOST_BYTES: Final = 1400
-"""A datagram that no network on the way has to cut up."""
+"""Size of a datagram that networks do not fragment."""
 _HEAD: Final = b"#bundle\0" + struct.pack(">Q", 1)
 
 
 def encode(address: str, values: Sequence[object] = ()) -> bytes:
-    """One message."""
+    """Return one message as bytes."""
     builder = OscMessageBuilder(address)
     for value in values:
         builder.add_arg(value)  # type: ignore[arg-type]
@@ -192,7 +191,7 @@ def encode(address: str, values: Sequence[object] = ()) -> bytes:
 
 
 def bundles(messages: Iterable[bytes]) -> Iterator[bytes]:
-    """Datagrams that hold these messages in their order: one alone as it is, more in bundles."""
+    """Yield datagrams that hold these messages in order: a single message as it is, several as a bundle."""
     row: list[bytes] = []
     size = len(_HEAD)
     for message in messages:

@@ -1,6 +1,6 @@
-"""OscDoor: what becomes of each message at one OSC port: an event for the show, an answer, or a refusal that counts.
+"""Dispatcher for the messages of one OSC port: each becomes an event for the show, an answer or a counted refusal.
 
-It has no socket, so that it can be tried without one; `osc.py` reads the datagrams and sends the answers.
+It has no socket and can be tested without one; `osc_server` reads the datagrams and sends the answers.
 """
 
 import time as _time
@@ -20,26 +20,26 @@ from live.control.registry.rejections import Reason, Rejection, Tally
 SOURCE: Final = "osc"
 MUSICIANS_SOURCE: Final = "osc musician"
 PATTERNS_PER_SECOND: Final = 20
-"""New patterns that are looked up; those asked for lately cost nothing."""
+"""New patterns that are looked up; recent ones are cached and not counted."""
 MOST_LANES: Final = 32
 OF_A_HOST: Final = 8
-"""Lanes of the senders of one host, however many ports it sends from."""
+"""Maximum number of lanes for one host, over all its source ports."""
 KEPT: Final = 10.0
-"""Seconds for which a lane stays with a sender who says nothing."""
+"""Seconds for which a silent sender keeps its lane."""
 MOST_ANSWERS: Final = 64
-"""Values that one datagram may ask for."""
+"""Maximum number of values in the answer to one query."""
 _NTP_SECONDS_AT_1970: Final = 2_208_988_800
 
 
 class OscDoor:
-    """One port's messages. Thread: one; counters and `values` may be used from any."""
+    """Handler for the messages of one port. Use from one thread; counters and `values` may be used from any thread."""
 
     def __init__(
         self, taker: Lane[ControlEvent], *, registry: Registry = REGISTRY, role: Role = "operator",
         wall: Callable[[], float] = _time.time, more: Callable[[], Lane[ControlEvent]] | None = None,
     ) -> None:  # fmt: skip
-        """`role`: what may be asked for here; `wall` [s since 1970]: the clock of time tags; `more`: makes lanes, so
-        that each sender has its own (else all share `taker`)."""
+        """`role`: the permissions at this port; `wall` [s since 1970]: the clock of time tags; `more`: makes a lane for
+        each sender (without it all share `taker`)."""
         self._more, self._lanes = more, dict[Where, Lane[ControlEvent]]()
         self._said_at: dict[Where, float] = {}
         self._taker, self._registry, self._role, self._wall = taker, registry, role, wall
@@ -48,34 +48,34 @@ class OscDoor:
         self._tokens, self._tokens_at = float(PATTERNS_PER_SECOND), 0.0
         self._whole: dict[str, bool] = {}
         self.values = Values()
-        """What everything is now, told by the show."""
+        """The current values, as published by the show."""
         self.subscribers = Subscribers(self.values)
         self.later: Later[tuple[Message, Where]] = Later()
         self.accepted = 0
-        """Messages that became an event, an answer or a request."""
+        """Number of messages that became an event, an answer or a request."""
         self.rejected = Tally()
         """Refused packets and messages by reason."""
         self.future_timetags = 0
-        """Messages that asked to act later than is waited for, and acted at once."""
+        """Number of messages with a time tag too far ahead, which acted at once."""
         self.waited = 0
-        """Messages that waited for their time."""
+        """Number of messages that were held until their time tag."""
         self.last_rejection: Rejection | None = None
         """The most recent refusal, for the operator's overlay."""
 
     @property
     def replaced(self) -> int:
-        """Values that gave way to later ones before the show took them."""
+        """Number of values that later ones replaced before the show read them."""
         return self._taker.replaced + sum(lane.replaced for lane in list(self._lanes.values()))
 
     def hear(self, packet: memoryview, sender: Where, time: float) -> Iterator[bytes]:
-        """Let a datagram act that came at `time` [s of the show]; yields the answers to its sender."""
+        """Handle a datagram received at `time` [s of the show]; yield the answers to its sender."""
         try:
             messages = decode(packet)
         except OscRejected as rejected:
             self.reject(Rejection(rejected.reason, "", "an OSC packet", bytes(packet[:16])))
             return
         answers: list[bytes] = []
-        wall = self._wall()  # one moment for the whole bundle, which keeps its order
+        wall = self._wall()  # read once, so that a bundle keeps its order
         for message in messages:
             if message.timetag != IMMEDIATELY and (ahead := _ahead(message.timetag, wall)) > 0.0:
                 if self.later.put(time + ahead, time, (message, sender)):
@@ -85,7 +85,7 @@ class OscDoor:
         yield from self._within_bounds(answers, len(packet), sender)
 
     def _within_bounds(self, answers: list[bytes], received: int, sender: Where) -> Iterator[bytes]:
-        """The answers in datagrams; to somebody far away one at most, and no longer than what was received."""
+        """Yield the answers in datagrams; a distant sender gets one at most, no longer than its own datagram."""
         if not answers:
             return
         if is_near(sender[0]):
@@ -94,7 +94,7 @@ class OscDoor:
             yield answers[0]
 
     def release(self, time: float) -> None:
-        """Let act what has waited for its time; answers are not waited for."""
+        """Handle the delayed messages that are due by `time`; their answers are dropped."""
         for due, (message, sender) in self.later.due(time):
             self.waited += 1
             self._act(message.address, message.arguments, sender, due, [])
@@ -113,12 +113,12 @@ class OscDoor:
             self._answer(found, answers)
             return
         refused = [self._call(each, values, sender, time, answers) for each in found]
-        if found and all(refused):  # if some take these values, the others were not meant
+        if found and all(refused):  # a pattern counts as refused only if no address accepts the values
             assert refused[0] is not None
             self.reject(refused[0])
 
     def _find(self, pattern: str, time: float) -> tuple[str, ...] | Rejection:
-        """The values that a pattern stands for: what happens once, as a panic, wants its own name."""
+        """Return the readable addresses that match a pattern; one-time commands such as panic need their full name."""
         if not self._matcher.remembers(pattern):
             grown = self._tokens + max(time - self._tokens_at, 0.0) * PATTERNS_PER_SECOND
             self._tokens, self._tokens_at = min(grown, PATTERNS_PER_SECOND), time
@@ -157,7 +157,7 @@ class OscDoor:
         return None
 
     def _lane(self, sender: Where, time: float) -> Lane[ControlEvent]:
-        """The lane of a sender; for whom there is none left the one that all such share."""
+        """Return the sender's lane, or the shared lane if there is none left."""
         lane = self._lanes.get(sender)
         if lane is None:
             if self._more is None:
@@ -177,14 +177,14 @@ class OscDoor:
         return lane
 
     def _put(self, event: ControlEvent, control: Control | None, values: Sequence[object], sender: Where) -> None:
-        """Hand an event over; of values that nobody has taken yet the last one counts."""
+        """Queue an event; a value replaces an unread earlier value of the same control."""
         lane = self._lane(sender, event.time)
         if control is None or control.kind == "event":
             lane.put(event)
             return
         whom = control.whom(values)
         whole = control.named or not whom or whom[-1].strip() in ("", "*")
-        flipped = self._whole.get(control.address, whole) != whole  # all, then one, then all again: in this order
+        flipped = self._whole.get(control.address, whole) != whole  # keeps the order of all, then one, then all again
         self._whole[control.address] = whole
         lane.put(event, (control.address, *whom), after=flipped)
 
@@ -197,14 +197,14 @@ class OscDoor:
         if request.what == "unsubscribe":
             self.subscribers.remove(where)
         elif not is_near(sender[0]):
-            return Rejection(Reason.SENDER, request.address, "somebody in a network of our own", sender[0])
+            return Rejection(Reason.SENDER, request.address, "a sender in a local network", sender[0])
         elif not self.subscribers.add(where, sender, request.address, request.seconds, time):
             return Rejection(Reason.SUBSCRIBERS, request.address)
         self.accepted += 1
         return None
 
     def _answer(self, addresses: Sequence[str], answers: list[bytes]) -> Rejection | None:
-        """What these are now; where there is only one, and it has no value, that is said, too."""
+        """Append the current values of these addresses; reply `no_value` if none of them has a value."""
         known = [address for address in addresses if address in self.values]
         for address in known[:MOST_ANSWERS]:
             answers += [encode(where, values) for where, values in self.values.messages(address)]
@@ -217,13 +217,13 @@ class OscDoor:
         return None
 
     def reject(self, rejection: Rejection) -> None:
-        """Count a refusal."""
+        """Count a refusal and keep it as the last one."""
         self.rejected.count(rejection.reason)
         self.last_rejection = rejection
 
 
 def _ahead(timetag: int, wall: float) -> float:
-    """How far ahead an NTP time tag lies [s], across the end of the NTP era in 2036, too; 0 if it does not."""
+    """Return how far ahead an NTP time tag lies [s], 0 if in the past; correct across the NTP era's end in 2036."""
     now = int((wall + _NTP_SECONDS_AT_1970) * 2.0**32)
     ahead = (timetag - now) % 2**64
     return ahead / 2.0**32 if ahead < 2**63 else 0.0

@@ -1,7 +1,7 @@
-"""OscOut: what the show tells musicians and other programs over OSC while it runs: beat, measure, tempo, steps, feet,
-places. Beats fall when they are due by the show's Timeline, not when a frame happens to be drawn.
+"""OSC output of the running show: beat, measure, tempo, steps, footfalls and positions.
 
-Run as a module it is a process of its own (`Helper`), so that nothing that is sent costs a frame anything.
+Beats are sent when they are due by the show's Timeline, independently of frames. Run as a module, this is a separate
+process (`Helper`), so that sending costs the frame loop nothing.
 """
 
 import gc
@@ -22,39 +22,39 @@ from live.control.osc.osc_codec import bundles, encode
 
 OUT: Final = "/dance/out/"
 SENT: Final = (
-    ("beat", "iif", "beat measure tempo", "On each beat: which of the measure, of which measure (from 1); its bpm."),
-    ("measure", "i", "measure", "On each measure line, before its beat: the measure that begins."),
-    ("tempo", "f", "tempo", "The tempo in bpm, whenever it is another one."),
+    ("beat", "iif", "beat measure tempo", "On each beat: beat and measure numbers from 1, tempo in bpm."),
+    ("measure", "i", "measure", "On each measure line, before its beat: the number of the new measure."),
+    ("tempo", "f", "tempo", "The tempo in bpm, whenever it changes."),
     ("step", "iss", "dancer step group", "A dancer begins another step."),
     (
         "foot", "isfffi", "dancer foot x z strength part",
-        "A foot comes down: `left` or `right`, where [m], how hard (0 to 1); 0 the ball, 1 the heel, 2 the whole sole.",
+        "A foot comes down: `left` or `right`, position [m], strength (0 to 1); part 0 ball, 1 heel, 2 whole sole.",
     ),
     (
         "unit", "sss", "partner label name",
-        "It is decided what a partner dances in answer to a leader: the unit, as in `turn/2`, and the name of its "
-        "recording or step, as in `turn`.",
+        "A partner's response to its leader is chosen: the unit, such as `turn/2`, and the name of its recording or "
+        "step, such as `turn`.",
     ),
     (
         "position", "ifff", "dancer x z heading",
-        "So many times a second: where each dancer's hips are [m], and where she looks [rad; 0 is towards the "
-        "audience, positive towards +x].",
+        "At a fixed rate: each dancer's hip position [m] and heading [rad; 0 is towards the audience, positive "
+        "towards +x].",
     ),
 )  # fmt: skip
-"""Address, type tags, values, and when it is sent."""
+"""Address, type tags, names of the values, and when the message is sent."""
 
 FIGURES_EVERY: Final = 1.0
 TEMPO_EVERY: Final = 0.1
 SAME_TEMPO: Final = 5e-4
-"""Share by which a tempo has to differ to be told."""
+"""Relative change of tempo below which nothing is sent."""
 OVERDUE: Final = 0.5
-"""Beats; one that is so late is not sent any more."""
+"""Lateness in beats beyond which a beat is not sent."""
 
 Send = Callable[[bytes], None]
 
 
 class OscOut:
-    """What is sent and when. Thread: one."""
+    """Encoder and timer of the OSC output. Use from one thread."""
 
     def __init__(self, send: Send, clock: Clock) -> None:
         self._send, self._clock = send, clock
@@ -63,12 +63,12 @@ class OscOut:
         self._beat = -math.inf
         self._tempo, self._tempo_at = 0.0, -math.inf
         self.beats = 0
-        """Beats that were sent."""
+        """Number of beats sent."""
         self.late: deque[float] = deque(maxlen=512)
-        """How late the last of them were [s]."""
+        """Lateness of the most recent beats [s]."""
 
     def take(self, told: tuple[str, Any]) -> None:
-        """Take up something from the show: `timeline`, `measure` (number from 0, the beat of its end), `news` or
+        """Handle a packet from the show: `timeline`, `measure` (number from 0, beat of its end), `news` or
         `positions` (array of rows dancer, x, z, heading)."""
         what, value = told
         if what == "timeline":
@@ -82,14 +82,14 @@ class OscOut:
             self._tell([encode(f"{OUT}position", (int(row[0]), *row[1:])) for row in rows])
 
     def wait(self) -> float:
-        """Seconds until the next beat, or until something else may be due."""
+        """Return the seconds until the next beat or the next status report."""
         if self._timeline is None:
             return FIGURES_EVERY
         due = self._timeline.time_at(self._beat + 1.0)
         return min(max(due - self._clock.now(), 0.0), FIGURES_EVERY)
 
     def turn(self) -> None:
-        """Send the beats that are due; of several only the last."""
+        """Send the beat that is due; if several are, only the last."""
         timeline = self._timeline
         if timeline is None:
             return
@@ -115,7 +115,7 @@ class OscOut:
             self._beat = math.floor(timeline.beat_at(self._clock.now()) + 1e-9)
 
     def _place(self, beat: float, size: int) -> tuple[int, int]:
-        """Measure and beat of it, from 1, of a beat of the Timeline: of the measure that is danced, or the next."""
+        """Return measure and beat in it, both from 1, of a Timeline beat in the current measure or later."""
         number, end = self._measure
         over = round(beat - end)
         if over >= 0:
@@ -133,10 +133,10 @@ class OscOut:
 
 
 class Targets:
-    """Where it is sent. Thread: one."""
+    """The destinations of the output. Use from one thread."""
 
     def __init__(self, targets: Sequence[tuple[str, int]]) -> None:
-        """OSError for a host that is not known."""
+        """Raise OSError for an unknown host."""
         self._all = []
         for host, port in targets:
             family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
@@ -146,12 +146,12 @@ class Targets:
         self.sent = self.failed = 0
 
     def close(self) -> None:
-        """Send nothing any more."""
+        """Close the sockets."""
         for sock, _ in self._all:
             sock.close()
 
     def send(self, datagram: bytes) -> None:
-        """To each of them; what one does not take is counted and does not concern the others."""
+        """Send to every target; a failure is counted and does not affect the others."""
         for sock, address in self._all:
             try:
                 sock.sendto(datagram, address)
@@ -161,7 +161,7 @@ class Targets:
 
 
 def main() -> None:
-    """Send until the show has gone."""
+    """Send until the show closes the channel."""
     told = Told(int(sys.argv[1]))
     gc.disable()
     targets = Targets(told.plan["targets"])

@@ -1,8 +1,8 @@
-"""OSC's address patterns (`* ? [ ] { }`), matched in time that grows with the addresses alone, never with the pattern.
+"""Matcher for OSC address patterns (`* ? [ ] { }`) without backtracking.
 
-A pattern becomes, part by part, a few rows of allowed characters, and each row runs over a part as one number of bits
-(Baeza-Yates and Gonnet 1992, extended by `*`): no way back, so no pattern can be dear. OSC 1.0: `*` and `?` do not go
-beyond a part, `[a-z]`, `[!ab]`, `{one,other}`.
+Each part of a pattern becomes a few bit-parallel automata (Baeza-Yates and Gonnet 1992, extended by `*`), so matching
+time depends on the addresses and not on the pattern. As in OSC 1.0: `*` and `?` match within one part; `[a-z]`,
+`[!ab]`, `{one,other}`.
 """
 
 import re
@@ -12,9 +12,9 @@ from typing import Final
 
 MOST_CHARACTERS: Final = 96
 MOST_CHOICES: Final = 8
-"""So many rows may the braces of one part be written out to."""
+"""Maximum number of rows to which the braces of one part may expand."""
 REMEMBERED: Final = 64
-"""Patterns whose addresses are kept."""
+"""Patterns whose addresses are cached."""
 WILD: Final = frozenset("*?[]{}")
 
 _PIECE = re.compile(r"\*+|\?|\[!?[^\[\]{},]+\]|[^*?\[\]{}]")
@@ -23,22 +23,22 @@ _NESTED = re.compile(r"\{[^}]*\{")
 
 
 class BadPattern(ValueError):
-    """A pattern that is malformed, too long, or has too many choices."""
+    """The pattern is malformed, too long, or has too many choices."""
 
 
 def is_pattern(address: str) -> bool:
-    """Whether an address stands for several."""
+    """Whether an address contains wildcards."""
     return not WILD.isdisjoint(address)
 
 
 class _Row:
-    """One part of a pattern without braces."""
+    """Automaton for one part of a pattern without braces."""
 
     def __init__(self, text: str) -> None:
         pieces = _PIECE.findall(text)
         if "".join(pieces) != text:
             raise BadPattern(text)
-        self._stays = self._first = 0  # places with a star after them; and before all
+        self._stays = self._first = 0  # bit masks: places followed by a star; the start
         self._takes: dict[str, int] = {}
         self._any = 0
         place = 0
@@ -68,7 +68,7 @@ class _Row:
         self._end = 1 << place
 
     def matches(self, part: str) -> bool:
-        """Whether it stands for this part."""
+        """Whether the row matches this part of an address."""
         at, stays, anything, takes, nots = 1, self._stays, self._any, self._takes, self._not
         for character in part:
             allowed = takes.get(character, 0) | (anything & ~nots.get(character, 0))
@@ -79,7 +79,7 @@ class _Row:
 
 
 def _spelled(body: str) -> str:
-    """`a-d` as `abcd`; a dash at either end is itself."""
+    """Return a character set with its ranges expanded (`a-d` to `abcd`); a dash at either end is literal."""
     spelled, position = [], 0
     while position < len(body):
         if position + 2 < len(body) and body[position + 1] == "-":
@@ -93,7 +93,7 @@ def _spelled(body: str) -> str:
 
 
 def _rows(part: str) -> list[_Row]:
-    """A part with its braces written out."""
+    """Return the rows of a part with its braces expanded."""
     if _NESTED.search(part):
         raise BadPattern(part)
     texts = [part]
@@ -102,14 +102,15 @@ def _rows(part: str) -> list[_Row]:
         if len(texts) * len(choices) > MOST_CHOICES:
             raise BadPattern(part)
         start, stop = found.span()
-        # the part before the first braces has been written out already: every text has these at the same distance
+        # The text before the first braces is expanded already, so in every text they lie at the same distance from
+        # the end.
         texts = [text[: len(text) - (len(texts[0]) - start)] + choice + text[len(text) - (len(texts[0]) - stop) :]
                  for text in texts for choice in choices]  # fmt: skip
     return [_Row(text) for text in texts]
 
 
 class Matcher:
-    """Finds which addresses a pattern stands for. Thread: one."""
+    """Finds the addresses that match a pattern. Use from one thread."""
 
     def __init__(self, addresses: Iterable[str]) -> None:
         self._tree: dict[str, dict[str, dict]] = {}  # type: ignore[type-arg]
@@ -121,11 +122,11 @@ class Matcher:
             branch[""] = {}
 
     def remembers(self, pattern: str) -> bool:
-        """Whether it was asked for lately, and costs nothing."""
+        """Whether the pattern is cached."""
         return pattern in self._known
 
     def find(self, pattern: str) -> tuple[str, ...]:
-        """The addresses, in their order; BadPattern for what is none, or too much."""
+        """Return the matching addresses in order; BadPattern if the pattern is malformed or too large."""
         found = self._known.get(pattern)
         if found is None:
             if len(pattern) > MOST_CHARACTERS:
@@ -139,7 +140,7 @@ class Matcher:
 
 
 def _found(branch: dict[str, dict], parts: list[list[_Row]], above: str) -> list[str]:  # type: ignore[type-arg]
-    """The addresses below a branch that the rest of a pattern stands for."""
+    """Return the addresses below a branch that match the rest of a pattern."""
     if not parts:
         return [above] if "" in branch else []
     found: list[str] = []

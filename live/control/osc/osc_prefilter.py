@@ -1,6 +1,7 @@
-"""OscSieve: before datagrams are taken apart, so that a flood costs little: what is plainly no OSC is counted, of plain
-values that arrive together the last one of each control goes on, and who sends nothing but rubbish is not read for a
-while.
+"""Prefilter for datagrams before they are decoded, so that a flood costs little.
+
+Datagrams that cannot be OSC are counted and dropped. Of plain values that arrive together only the last one of each
+control is passed on. A sender of mostly invalid datagrams is ignored for a while.
 """
 
 from collections.abc import Callable
@@ -14,39 +15,39 @@ from live.control.registry.rejections import Reason, Rejection, Tally
 MOST_HEADERS: Final = 2048
 ROUND: Final = 0.25
 RUBBISH: Final = 250
-"""So many more refused datagrams than good ones of a sender in a `ROUND` [s]: the rest of the round is not read."""
+"""Surplus of refused over good datagrams in a `ROUND` [s] after which the sender is ignored for the rest of it."""
 GATHER: Final = 0.015
-"""Seconds for which values wait at most for later ones, while there is more to be read."""
+"""Maximum seconds for which values wait for later ones while there is more to read."""
 MOST_SENDERS: Final = 4096
 _NUMBERS: Final = frozenset(b"fidhTF")
 _SLASH, _HASH = ord("/"), ord("#")
 
 Pass = Callable[[bytes, Any], bool]
-"""Takes a datagram apart; whether nothing in it was refused."""
+"""Handles a datagram; returns whether nothing in it was refused."""
 
 
 class OscSieve:
-    """One port's. Thread: the port's."""
+    """Prefilter of one port. Use from the port's thread."""
 
     def __init__(self, registry: Registry, on: Pass, rejected: Tally) -> None:
-        """`on`: what goes on goes there; what does not is counted in `rejected`."""
+        """`on`: receives the datagrams that pass; the others are counted in `rejected`."""
         self._registry, self._on, self._rejected = registry, on, rejected
         self._plain: dict[bytes, bool] = {}
         self._waiting: dict[bytes, tuple[bytes, Any]] = {}
         self._rubbish: dict[Any, int] = {}
         self._round_ends = self._release_at = 0.0
         self.replaced = 0
-        """Values that a later one of their control replaced before anybody had looked at them."""
+        """Number of values that a later one of their control replaced before they were decoded."""
 
     @property
     def waits(self) -> bool:
-        """Whether values wait here for later ones."""
+        """Whether values are held back for later ones."""
         return bool(self._waiting)
 
     def take(self, datagrams: list[tuple[bytes, Any]], now: float, *, more: bool = False) -> Rejection | None:
-        """Let what came together at `now` [s] pass; returns the last refusal of this sieve's own.
+        """Filter datagrams received together at `now` [s]; return the last refusal made by the prefilter itself.
 
-        `more`: there is more to be read, with which this may wait a little.
+        `more`: there is more to read, so values may be held back a little.
         """
         if now >= self._round_ends:
             self._round_ends = now + ROUND
@@ -80,7 +81,7 @@ class OscSieve:
         return self._refused
 
     def _release(self) -> None:
-        """What has waited goes on."""
+        """Pass on the values that were held back."""
         if self._waiting:
             waiting = list(self._waiting.values())
             self._waiting.clear()
@@ -89,7 +90,7 @@ class OscSieve:
 
     def _hand_on(self, data: bytes, sender: Any) -> None:
         if not self._on(data, sender):
-            self._refused = None  # this one is the last
+            self._refused = None  # the handler's own refusal is the later one
             self._note_rubbish(sender)
         elif sender in self._rubbish:
             self._rubbish[sender] = max(self._rubbish[sender] - 1, 0)
@@ -99,7 +100,7 @@ class OscSieve:
             self._rubbish[sender] = self._rubbish.get(sender, 0) + 1
 
     def _learn(self, header: bytes) -> bool:
-        """Whether messages that begin so say the value of a control with numbers alone: the last one counts."""
+        """Whether messages with this header set a control's value by numbers only, so that the last one counts."""
         if len(self._plain) >= MOST_HEADERS:
             self._plain.clear()
         address, _, tags = header.partition(b",")
@@ -108,13 +109,13 @@ class OscSieve:
             control = self._registry.find(address.rstrip(b"\0").decode())
         tags = tags.rstrip(b"\0")
         plain = control is not None and control.value > 0 and len(tags) > 0 and _NUMBERS.issuperset(tags)
-        if plain or control is not None:  # of addresses that there are not there is no end
+        if plain or control is not None:  # unknown addresses are unbounded in number and are not cached
             self._plain[header] = plain
         return plain
 
 
 def _no_osc(data: bytes) -> Reason | None:
-    """Why a datagram is plainly none."""
+    """Return why a datagram cannot be OSC; None if it may be."""
     size = len(data)
     if not 0 < size <= MAX_PACKET_BYTES:
         return Reason.PACKET_SIZE
@@ -124,7 +125,7 @@ def _no_osc(data: bytes) -> Reason | None:
 
 
 def _header(data: bytes) -> bytes:
-    """Address and type tags of a message, empty for whatever is not one."""
+    """Return the address and type tags of a message; empty for anything else."""
     if data[0] != _SLASH:
         return b""
     comma = data.find(b",", 0, MAX_STRING_BYTES)

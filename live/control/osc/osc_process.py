@@ -1,9 +1,9 @@
-"""OSC in a process of its own: whatever is sent to the port, the show's Python is busy with none of it.
+"""OSC input in a separate process, so that traffic on the port costs the show's interpreter nothing.
 
-The process receives, checks and answers; what is to happen comes to the show in packets, two in a tick at most.
-The socket belongs to the show, or to its supervisor: while the process is started again, what is sent waits in it.
-Where there is a supervisor the process is its own, too (`live.app.processes.osc_reader_main`), and goes on while
-engines change; what it has heard waits for the next one.
+The process receives, checks and answers; events reach the show in packets, at most two per tick. The socket belongs to
+the show or its supervisor: while the process restarts, datagrams wait in its buffer. Under a supervisor the process
+belongs to it, too (`live.app.processes.osc_reader_main`), and keeps running while engines change; events received in
+between wait for the next engine.
 """
 
 import os
@@ -27,35 +27,35 @@ from live.control.osc.osc_socket import bound_socket, dropped_by
 from live.control.registry.registry import Changes
 
 PACE: Final = 0.5 * TICK
-"""A packet is sent no sooner than so long [s] after the last: with the wait for the frame that is less than a frame
-and a tick, which an operator's message may take."""
+"""Minimum time between packets [s]. With the wait for the frame, an operator's message takes less than a frame and a
+tick."""
 IN_A_PACKET: Final = 32
-"""Events in a packet at most, and at least one: as many as there is an `Allowance` for, each sender's in turn."""
+"""Maximum number of events in a packet; the `Allowance` may lower it to 1. Senders take turns."""
 GATHER: Final = 0.004
-"""Seconds for which the process waits for more in a flood: it wakes up less often beside the frame."""
+"""Seconds for which the process waits for more in a flood, so that it wakes up less often next to the frame loop."""
 AT_ONCE: Final = 64
-"""Values that are told in one packet."""
+"""Maximum number of values published in one packet."""
 SAY_EVERY: Final = 0.25
 FEW: Final = 8
-"""The show takes up the next packet when not more events than this are left of the last."""
+"""The show reads the next packet when no more than so many events are left in its lane."""
 ON_THE_WAY: Final = 4
-"""Packets that the show has not taken up yet ..."""
+"""Maximum number of packets that the show has not confirmed ..."""
 PATIENCE: Final = 0.5
-"""... unless it has said nothing for so long [s]."""
+"""... unless none was sent for so long [s]."""
 SOON: Final = 0.002
 
-register_events()  # both ends have them
+register_events()  # both ends of the channel encode events
 
 
 class OscRemote:
-    """The show's side of it: what an `OscInput` is. Thread: the one that runs the show."""
+    """The show's end of the OSC process, with the interface of `OscInput`. Use from the show's thread."""
 
     def __init__(
         self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock, *, inherited: int | None = None,
         reader: int | None = None,
     ) -> None:  # fmt: skip
-        """As `OscInput`. `reader`: the descriptor of a socket to the process, if a supervisor keeps it; then that has
-        the inherited socket as well, by the same number."""
+        """As `OscInput`. `reader`: the descriptor of a socket to a process kept by a supervisor. That process then has
+        the inherited socket under the same number."""
         self._host, self._port, self._lane, self._clock, self._inherited = host, port, lane, clock, inherited
         self._reader = reader
         self._socket: socket.socket | None = None
@@ -65,7 +65,7 @@ class OscRemote:
         self._came = self._taken = 0
 
     def start(self) -> None:
-        """Bind, and begin to receive; PortBusy or CannotListen if that cannot be."""
+        """Bind and start to receive; PortBusy or CannotListen if that fails."""
         if self._inherited is None:
             self._socket = bound_socket(self._host, self._port)
         else:
@@ -78,7 +78,7 @@ class OscRemote:
         self._helper.start()
 
     def stop(self) -> None:
-        """End it, and the port is free then; but what a supervisor keeps."""
+        """Stop the process and free the port, except what a supervisor keeps."""
         if self._helper is not None:
             self._helper.stop()
         if self._socket is not None:
@@ -87,12 +87,12 @@ class OscRemote:
 
     @property
     def port(self) -> int:
-        """The port it really receives on."""
+        """The actual port."""
         return self._port if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
     def process(self) -> int | None:
-        """The number of the process; None while there is none."""
+        """The process ID; None if there is no process."""
         return None if self._helper is None else self._helper.process
 
     @property
@@ -101,7 +101,7 @@ class OscRemote:
         return 0 if self._socket is None else dropped_by(self._socket)
 
     def frame(self) -> None:
-        """Before each frame: take what has come, and tell what has changed."""
+        """Receive events and publish changed values; call before each frame."""
         if self._helper is None:
             return
         if len(self._lane) <= FEW:
@@ -117,10 +117,10 @@ class OscRemote:
     def _hear(self, events: tuple[tuple[Hashable, ControlEvent], ...]) -> None:
         self._came += 1
         for key, event in events:
-            self._lane.put(event, key, after=True)  # the order is that of the other process
+            self._lane.put(event, key, after=True)  # keeps the other process's order
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show."""
+        """Queue new values of the show for publication."""
         self._all.update(changes)
         self._untold.update(changes)
 
@@ -129,19 +129,19 @@ class OscRemote:
         self._untold = dict(self._all)
 
     def refused(self) -> dict[str, int]:
-        """What was refused, by reason."""
+        """Return the number of refusals by reason."""
         found: dict[str, int] = self._said("refused", {})
         return found
 
     def refusal(self) -> str:
-        """The last refusal in words."""
+        """Return the last refusal as text."""
         return str(self._said("refusal", ""))
 
     def _said(self, name: str, otherwise: Any) -> Any:
         return otherwise if self._helper is None else self._helper.facts().get(name, otherwise)
 
     def facts(self) -> dict[str, Any]:
-        """For the status; a quarter of a second old."""
+        """Return status figures; they are up to `SAY_EVERY` old."""
         facts = {} if self._helper is None else self._helper.facts()
         return {name: value for name, value in facts.items() if name not in ("refused", "refusal")} | {
             "lost": self.lost
@@ -149,8 +149,11 @@ class OscRemote:
 
 
 class Forward:
-    """What has come goes to the show: once in `PACE`, and only as much as it takes up; what waits meanwhile waits in
-    its lane, where later values replace it. Thread: the one that receives; `taken` is counted by another."""
+    """Forwards received events to the show, one packet per `PACE` and only as fast as the show confirms them.
+
+    Events that wait stay in their lane, where later values replace them. Use from the receiving thread; `taken` is set
+    by another thread.
+    """
 
     def __init__(
         self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]
@@ -160,12 +163,12 @@ class Forward:
         self._next = self._sent_at = 0.0
         self._allowance = Allowance()
         self.sent = 0
-        """Packets that the show was sent."""
+        """Number of packets sent to the show."""
         self.taken = 0
-        """Packets that the show has taken up."""
+        """Number of packets that the show has confirmed."""
 
     def turn(self) -> float | None:
-        """Send what there is; seconds until there may be something to send again."""
+        """Send a packet if one is due; return the seconds until the next call, None if nothing waits."""
         now = self._now()
         left = self._allowance.left(now, self._inbox.offered)
         if not self._packet and not len(self._inbox):
@@ -181,7 +184,7 @@ class Forward:
             self._packet = packet_of(events)
         try:
             self._send(self._packet)
-        except OSError:  # the show stands still: this waits, too
+        except OSError:  # the show does not read: keep the packet
             return TICK
         self._packet = b""
         self.sent, self._sent_at = self.sent + 1, now
@@ -189,10 +192,10 @@ class Forward:
 
 
 class Reader:
-    """What the process does. Thread: its main one; the port has its own."""
+    """Main loop of the process. Runs in its main thread; the port has its own thread."""
 
     def __init__(self, told: Told, udp: int) -> None:
-        """`udp`: the descriptor of the socket. Nothing is read from it before the show has said what time it is."""
+        """`udp`: the descriptor of the socket. Reading starts when the show has sent its clock's origin."""
         self._told = told
         self._inbox: Inbox[ControlEvent] = Inbox()
         self._clock = SystemClock()
@@ -206,7 +209,7 @@ class Reader:
         self._say_at = 0.0
 
     def obey(self, plan: dict[str, Any]) -> None:
-        """An engine says what time it is in the show: the first one, or one that goes on after it."""
+        """Apply the clock of an engine: the first one, or a successor."""
         self._clock.origin = plan["origin"]
         self._before = self._forward.sent
         if not self._listens:
@@ -214,7 +217,7 @@ class Reader:
             self._osc.start()
 
     def turn(self, *others: socket.socket) -> None:
-        """Take up what the show says, wait for it or `others` for a while, and say how things are."""
+        """Wait for the show or `others`, handle the show's packets and report the status."""
         select.select([self._told.socket, *others], [], [], SAY_EVERY)
         for packet in self._told.packets():
             if isinstance(packet, int):
@@ -233,13 +236,13 @@ class Reader:
 
 
 def main() -> None:
-    """Receive until the show has gone."""
+    """Receive until the show closes the channel."""
     told = Told(int(sys.argv[1]))
     reader = Reader(told, told.plan["udp"])
     reader.obey(told.plan)
     while not told.ended:
         reader.turn()
-    os._exit(0)  # the show has gone, and the socket is not ours to close
+    os._exit(0)  # skips clean-up: the socket belongs to the show
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""OSC over UDP: one socket thread that stamps what comes, lets an `OscDoor` see to it, and sends the answers.
+"""OSC server over UDP: one thread that time-stamps datagrams, passes them to an `OscDoor` and sends the answers.
 
-Nothing stops it: what is not understood is counted (waiting for time tags is how one small packet stops other
-receivers; here they wait in a queue). Nobody far away is sent more than he sent.
+No datagram can stop it: errors are counted, and messages with a time tag ahead wait in a queue instead of blocking the
+receiver. A distant sender never gets more bytes than it sent.
 """
 
 import ipaddress
@@ -30,11 +30,11 @@ __all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
 
 _PAUSE_S: Final = 0.05
 ROUNDS: Final = 4
-"""Calls for datagrams before others have their turn."""
+"""Maximum number of batch reads before other work has its turn."""
 MANY: Final = 16
-"""Datagrams of one call that are a flood ..."""
+"""Number of datagrams in one batch that counts as a flood ..."""
 GATHER: Final = 0.001
-"""... and what is waited for the next ones then [s]."""
+"""... and the wait before the next batch then [s]."""
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
@@ -42,8 +42,8 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 class OscInput:
     """Receives OSC on `host`:`port` (0: any free port) and puts the events into `lane`, stamped by `clock`.
 
-    `allow`: addresses or networks ("192.168.1.0/24") that may send; None: everybody who can reach the socket.
-    Thread: its own daemon thread receives; all counters may be read from any thread.
+    `allow`: addresses or networks ("192.168.1.0/24") that may send; None: all.
+    Its own daemon thread receives; all counters may be read from any thread.
     """
 
     def __init__(
@@ -62,10 +62,10 @@ class OscInput:
         more: Callable[[], Lane[ControlEvent]] | None = None,
         gather: float = GATHER,
     ) -> None:
-        """`inherited`: the descriptor of a socket that was bound by another process, and outlives this one; `role`:
-        what may be asked for at this port; `option`: how a person chooses another one; `after`: is
-        called when events have come, and says in how many seconds it wants to be called again; `more`: makes
-        a lane for each sender; `gather` [s]: what is waited for more in a flood."""
+        """`inherited`: the descriptor of a socket that another process has bound and keeps; `role`: the permissions at
+        this port; `option`: the command line option named in error messages; `after`: called after events have come,
+        returns the seconds until its next call; `more`: makes a lane for each sender; `gather` [s]: the wait between
+        batches in a flood."""
         self._inherited, self._gather = inherited, gather
         self._host, self._wanted_port, self._option = host, port, option
         self._clock, self._lane, self._after = clock, lane, after
@@ -82,12 +82,12 @@ class OscInput:
         self._sieve = OscSieve(registry, self._pass, self.door.rejected)
         self._lost = 0
         self.unsent = 0
-        """Answers and values that the system did not take."""
+        """Number of answers and values that could not be sent."""
         self.received = 0
-        """Datagrams read from the socket."""
+        """Number of datagrams read from the socket."""
 
     def start(self) -> None:
-        """Bind and begin to receive; PortBusy or CannotListen, with the remedy, if that cannot be."""
+        """Bind and start to receive; PortBusy or CannotListen, with the remedy, if that fails."""
         if self._thread is not None:
             raise RuntimeError("this OSC input was already started")
         self._socket = (
@@ -101,7 +101,7 @@ class OscInput:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and free the port; harmless if it never started."""
+        """Stop the thread and free the port; does nothing if it was not started."""
         if self._thread is None or self._wake is None or self._socket is None:
             return
         self._stopping.set()
@@ -121,22 +121,22 @@ class OscInput:
 
     @property
     def port(self) -> int:
-        """The port it really receives on."""
+        """The actual port."""
         return self._wanted_port if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
     def buffer_bytes(self) -> int:
-        """The receive buffer that the system granted (Linux reports twice what it was asked for)."""
+        """The size of the receive buffer that the system granted (Linux reports twice the requested size)."""
         return 0 if self._socket is None else self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
 
     @property
     def lost(self) -> int:
-        """Datagrams that the system dropped because the receive buffer was full (0 where it does not say)."""
+        """Number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
         return self._lost if self._socket is None else dropped_by(self._socket)
 
     @property
     def accepted(self) -> int:
-        """Messages that became an event, an answer or a request."""
+        """Number of messages that became an event, an answer or a request."""
         return self.door.accepted
 
     @property
@@ -146,7 +146,7 @@ class OscInput:
 
     @property
     def future_timetags(self) -> int:
-        """Messages that asked to act later than is waited for, and acted at once."""
+        """Number of messages with a time tag too far ahead, which acted at once."""
         return self.door.future_timetags
 
     @property
@@ -155,18 +155,18 @@ class OscInput:
         return self.door.last_rejection
 
     def refused(self) -> dict[str, int]:
-        """What was refused, by reason."""
+        """Return the number of refusals by reason."""
         return self.door.rejected.as_dict()
 
     def refusal(self) -> str:
-        """The last refusal: of a packet that was not understood the reason, of a control all that is known."""
+        """Return the last refusal as text: the reason for a packet, the full description for a control."""
         rejection = self.last_rejection
         if rejection is None:
             return ""
         return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return status figures."""
         door = self.door
         replaced = self._sieve.replaced + door.replaced
         return {
@@ -176,7 +176,7 @@ class OscInput:
         }  # fmt: skip
 
     def tell(self, changes: Changes) -> None:
-        """These have new values in the show. Thread: the show's; costs it no call of the system."""
+        """Publish new values of the show. Call from the show's thread; makes no system call."""
         self.door.values.take(changes)
         if self.door.subscribers.active:
             self._moved.extend(changes)
@@ -195,17 +195,17 @@ class OscInput:
                 ready = selector.select(self._wait())
                 many = (ready or self._sieve.waits) and self._received(datagrams)
                 self._turn()
-                if many:  # a flood: many are cheaper together
+                if many:  # in a flood larger batches are cheaper
                     self._stopping.wait(self._gather)
 
     def _wait(self) -> float | None:
-        """Seconds until something is to be done though nothing comes; None: nothing is."""
+        """Return the seconds until the next timed work; None if there is none."""
         waits = (self.door.later.wait(self._clock.now()), self.door.subscribers.wait(), self._again,
                  self._gather if self._sieve.waits else None)  # fmt: skip
         return min((wait for wait in waits if wait is not None), default=None)
 
     def _turn(self) -> None:
-        """What has waited for its time acts, and subscribers are told what has changed."""
+        """Handle delayed messages that are due, and send changed values to subscribers."""
         try:
             now = self._clock.now()
             self.door.release(now)
@@ -218,7 +218,7 @@ class OscInput:
             self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
 
     def _received(self, datagrams: Datagrams) -> bool:
-        """As `_receive_all`; whatever the datagrams may bring to light, the next ones are heard."""
+        """As `_receive_all`; any exception is counted, and receiving goes on."""
         try:
             return self._receive_all(datagrams)
         except Exception as error:
@@ -227,13 +227,13 @@ class OscInput:
             return False
 
     def _receive_all(self, datagrams: Datagrams) -> bool:
-        """Read what is there; whether it was many, and all."""
+        """Read the waiting datagrams; return whether they were many and all of them were read."""
         for _ in range(ROUNDS):
             if self._stopping.is_set():
                 break
             try:
                 found = datagrams.read()
-            except OSError:  # a network that went away, an answer nobody wanted: the show goes on
+            except OSError:  # network down, or an answer that was undeliverable: keep receiving
                 self.rejected.count(Reason.SOCKET)
                 self._stopping.wait(_PAUSE_S)
                 break
@@ -247,18 +247,18 @@ class OscInput:
             if refused is not None:
                 self.door.last_rejection = refused
             self._lane.thinned = self._sieve.replaced
-            self.received += len(found)  # last, so that whoever sees it sees what became of them
+            self.received += len(found)  # last, so that readers of this counter see its consequences
             if len(found) < AT_A_TIME:
                 return len(found) >= MANY
         return False
 
     def _pass(self, data: bytes, sender: Any) -> bool:
-        """Let the door see to a datagram; whether nothing in it was refused."""
+        """Handle a datagram; return whether nothing in it was refused."""
         before = self.door.rejected.total
         try:
             for answer in self.door.hear(memoryview(data), sender, self._clock.now()):
                 self._send(answer, sender)
-        except Exception as error:  # whatever a datagram may bring to light, the next one is heard
+        except Exception as error:  # no datagram may stop the receiver
             self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", data[:16]))
         return self.door.rejected.total == before
 
@@ -266,11 +266,11 @@ class OscInput:
         assert self._socket is not None
         try:
             self._socket.sendto(datagram, where)
-        except OSError:  # whoever it was is gone, or the send buffer is full: he may ask again
+        except OSError:  # the receiver is gone or the send buffer is full: it can ask again
             self.unsent += 1
 
     def _is_allowed(self, host: str) -> bool:
-        """Whether a host may send; one that may not is counted."""
+        """Whether a host may send; a refusal is counted."""
         if self._allow is None:
             return True
         address = ipaddress.ip_address(host.partition("%")[0])

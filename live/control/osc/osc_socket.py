@@ -1,4 +1,4 @@
-"""The UDP socket where OSC is received, and what is said where that cannot be."""
+"""The UDP socket for OSC input, and the errors raised if it cannot be opened."""
 
 import contextlib
 import errno
@@ -9,12 +9,12 @@ from typing import Final
 
 RECEIVE_BUFFER_BYTES: Final = 4 * 1024 * 1024
 _SO_RCVBUFFORCE: Final = 33
-_SO_MEMINFO: Final = 55  # Linux: nine counters of a socket, the last of which is datagrams dropped before we read them
+_SO_MEMINFO: Final = 55  # Linux: nine counters of a socket; the last is the number of dropped datagrams
 _MEMINFO = struct.Struct("=9I")
 
 
 class CannotListen(Exception):
-    """The OSC address cannot be used; the text says why and what to do."""
+    """The OSC address cannot be used; the message gives reason and remedy."""
 
 
 class PortBusy(CannotListen):
@@ -22,7 +22,7 @@ class PortBusy(CannotListen):
 
 
 def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
-    """A UDP socket that does not block, with the largest buffer the system grants up to 4 MB; else CannotListen."""
+    """Return a non-blocking UDP socket with the largest buffer the system grants up to 4 MB; else CannotListen."""
     where = f"{host}:{port}"
     remedy = f"choose another with {option} HOST:PORT"
     if not 0 <= port <= 65_535:  # the system would take it modulo 65,536
@@ -34,7 +34,7 @@ def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
     sock = socket.socket(family, kind, protocol)
     try:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
-        if sys.platform == "linux":  # beyond the usual bound, where we may
+        if sys.platform == "linux":  # beyond the usual limit, if permitted
             with contextlib.suppress(OSError):
                 sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)
         sock.setblocking(False)
@@ -50,7 +50,7 @@ def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
 
 
 def dropped_by(sock: socket.socket) -> int:
-    """Datagrams that the system dropped because the receive buffer was full (0 where it does not say)."""
+    """Return the number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
     if sys.platform != "linux":
         return 0
     try:

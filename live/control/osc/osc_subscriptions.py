@@ -1,4 +1,4 @@
-"""Subscribers: who is told, over OSC, what changes: bounded in number, time, and how much each is sent."""
+"""OSC subscriptions to changed values, bounded in number, duration and data rate."""
 
 import ipaddress
 from collections.abc import Callable, Iterable, Iterator
@@ -11,20 +11,20 @@ from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
 
 MOST: Final = 16
 MOST_PARTS: Final = 16
-"""Addresses that one may subscribe to."""
+"""Maximum number of addresses per subscriber."""
 LONGEST: Final = 3600.0
-"""Seconds for which one may subscribe at most before it has to say so again."""
+"""Maximum duration of a subscription [s]; after it the subscriber has to renew it."""
 EVERY: Final = 1 / 30
-"""Seconds between two datagrams to one of them at least ..."""
+"""Minimum interval between two updates of one subscriber [s] ..."""
 AT_ONCE: Final = 48
-"""... with so many values at most; what has changed meanwhile is sent as it is then."""
+"""... with at most so many values; each is sent as it is at that time."""
 OWN: Final = 1.0
-"""Seconds in which who has set a value is not told about it, while it goes there."""
+"""Seconds for which the sender of a value is not notified of it, until it has taken effect."""
 CLOSE: Final = 1e-4
-"""Share by which a number that was set and one that is may differ, for it was rounded on its way."""
+"""Relative tolerance between a number that was set and the show's, which is rounded in transit."""
 
 Where = tuple[Any, ...]
-"""Host and port, and for IPv6 what else belongs to it."""
+"""Host and port, and for IPv6 also flow and scope."""
 _ORDER: Final = {address: place for place, address in enumerate(READABLE)}
 
 
@@ -32,50 +32,50 @@ _ORDER: Final = {address: place for place, address in enumerate(READABLE)}
 class _Subscriber:
     where: Where
     source: Where
-    """Where it sends from: many hear at another port."""
+    """The address it sends from; many clients receive at another port."""
     parts: dict[str, float] = field(default_factory=dict)
-    """Addresses under which it is told what changes, each with the time until when."""
+    """Subscribed address prefixes, each with the time when it expires."""
     next: float = 0.0
     due: dict[str, float] = field(default_factory=dict)
-    """What has changed, and not before when it is to be told."""
+    """Changed addresses, each with the earliest time to send it."""
     told: dict[str, Rows] = field(default_factory=dict)
 
     def hears(self, address: str) -> bool:
-        """Whether it is told of an address."""
+        """Whether it has subscribed to an address."""
         return any(_under(address, part) for part in self.parts)
 
 
 @dataclass(frozen=True, slots=True)
 class _Setter:
-    """Who has set a value last."""
+    """The last sender that set a value."""
 
     source: Where
     values: tuple[object, ...]
     until: float
-    """Until when the value may be on its way there."""
+    """Time until which the value may not have taken effect yet."""
 
 
 class Subscribers:
-    """Those of one port. Thread: the port's; `active` from any."""
+    """The subscribers of one port. Use from the port's thread; `active` from any thread."""
 
     def __init__(self, values: Values) -> None:
         self._values = values
         self._all: dict[Where, _Subscriber] = {}
         self._setters: dict[str, _Setter] = {}
         self.refused = 0
-        """Subscriptions for which there was no room."""
+        """Number of subscriptions refused for lack of room."""
         self.sent = 0
-        """Values that were sent."""
+        """Number of values sent."""
 
     @property
     def active(self) -> int:
-        """How many there are."""
+        """The number of subscribers."""
         return len(self._all)
 
     def add(self, where: Where, source: Where, prefix: str, seconds: float, now: float) -> bool:
-        """Tell `where` what changes under an address, for so long, beginning with all that is now; False: no room.
+        """Subscribe `where` to an address prefix for `seconds`, starting with all current values; False: no room.
 
-        `source`: where it sends from; what comes from there it need not be told.
+        `source`: the address it sends from; it is not notified of values that it set itself.
         """
         self._forget(now)
         one = self._all.get(where)
@@ -91,11 +91,11 @@ class Subscribers:
         return True
 
     def remove(self, where: Where) -> None:
-        """Tell it nothing any more; harmless if it was not told anything."""
+        """End its subscription; does nothing if there is none."""
         self._all.pop(where, None)
 
     def note_setter(self, source: Where, address: str, values: tuple[object, ...], now: float) -> None:
-        """This one sets a value now: others are told, and it itself if nothing comes of it."""
+        """Record that `source` sets a value; it is notified only if the show's value turns out different."""
         if self._all and address in self._values:
             self._setters[address] = _Setter(source, values, now + OWN)
             for one in self._all.values():
@@ -103,18 +103,18 @@ class Subscribers:
                     one.due[address] = now + OWN
 
     def note(self, addresses: Iterable[str], now: float) -> None:
-        """These have another value."""
+        """Mark addresses as changed."""
         for address in addresses:
             for one in self._all.values():
                 if one.hears(address):
                     one.due.setdefault(address, now)
 
     def wait(self) -> float | None:
-        """Seconds until `turn` should be called again; None: nobody listens."""
+        """Return the seconds until `turn` should be called again; None: no subscribers."""
         return EVERY if self._all else None
 
     def turn(self, now: float, send: Callable[[bytes, Where], None]) -> None:
-        """Tell what is to be told."""
+        """Send the updates that are due."""
         self._forget(now)
         for one in self._all.values():
             if one.due and now >= one.next:
@@ -158,7 +158,7 @@ def _under(address: str, prefix: str) -> bool:
 
 
 def _is_what(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> bool:
-    """Whether that is what somebody has set; of a control that names whose it is: of that one, others being as told."""
+    """Whether the rows equal what was set; for a named control its row was set and all others are as last sent."""
     control = REGISTRY.find(address)
     if control is None or not control.named:
         return all(_are_close(now, said) for _, now in rows)
@@ -177,8 +177,10 @@ def _is_close(now: Plain, said: object) -> bool:
 
 
 def is_near(host: str) -> bool:
-    """Whether a host is this machine or in a network of one's own: to others nothing is sent that is longer than what
-    they sent, for a forged sender must gain nothing."""
+    """Whether a host is this machine or in a local network.
+
+    Other hosts never get more bytes than they sent, so that a forged sender address cannot amplify traffic.
+    """
     try:
         address = ipaddress.ip_address(host.partition("%")[0])
     except ValueError:

@@ -1,7 +1,7 @@
-"""The process that answers OSCQuery: HTTP, a WebSocket that streams values (LISTEN), and zeroconf to be found by.
+"""OSCQuery server process: HTTP, a WebSocket that streams values (LISTEN), and zeroconf announcement.
 
-Only GET is understood and nothing can be changed here, so no key is asked for: what is set is set over OSC. Pages of
-other sites are refused (Origin and Host are checked).
+It is read-only (GET), so it needs no key; values are set over OSC. Requests from pages of other sites are refused
+(Origin and Host are checked).
 """
 
 import asyncio
@@ -32,12 +32,12 @@ from live.control.web.web_server import (
 
 MOST_CLIENTS: Final = 32
 MOST_OF_ONE: Final = 16
-"""Of them with one address."""
+"""Maximum number of clients of one address group."""
 MOST_BYTES: Final = 1024
-"""Of a message from a client."""
+"""Maximum size of a client's message."""
 EVERY: Final = 1 / 30
 BEHIND: Final = 1 << 15
-"""Bytes that a client may not have taken yet; one that is further behind is told the newest values later."""
+"""Maximum number of unread bytes per client; a client further behind gets the newest values later."""
 SAY_EVERY: Final = 1.0
 
 
@@ -51,10 +51,10 @@ class Listener:
         self.told: dict[str, Rows] = {}
 
     async def tell(self, values: Values) -> None:
-        """Send what has changed, as OSC."""
+        """Send changed values as OSC."""
         transport = self._request.transport
         if transport is None or transport.get_write_buffer_size() > BEHIND:
-            return  # who has gone is noticed by pings; nobody else waits for it
+            return  # pings detect a client that is gone
         due, self.due = self.due, {}
         messages = []
         for address in due:
@@ -67,10 +67,10 @@ class Listener:
 
 
 class Server:
-    """Everything of one show. Thread: the loop's."""
+    """OSCQuery server of one show. Use from the event loop's thread."""
 
     def __init__(self, told: Told) -> None:
-        """In a running loop."""
+        """Needs a running event loop."""
         plan = told.plan
         self._told, self._name, self._osc = told, str(plan["name"]), (str(plan["osc"][0]), int(plan["osc"][1]))
         self._socket = socket.socket(fileno=plan["http"])
@@ -88,7 +88,7 @@ class Server:
         self._server = BoundedServer(self._answer)
 
     async def run(self) -> None:
-        """Answer until the show has gone."""
+        """Serve until the show closes the channel."""
         runner = await serve(self._server, self._socket)
         asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
         announcement = Announcement(self._name, self._http, self._osc[1])
@@ -102,7 +102,7 @@ class Server:
         await runner.cleanup()
 
     def _hear(self) -> None:
-        """New values from the show."""
+        """Read new values from the show."""
         for changes in self._told.packets():
             self.values.take(changes)
             for listener in self._listeners:
@@ -155,7 +155,7 @@ class Server:
         return ws
 
     def _take(self, listener: Listener, text: str) -> bool:
-        """LISTEN or IGNORE; whether it was understood."""
+        """Handle LISTEN or IGNORE; return whether it was valid."""
         try:
             order = json.loads(text)
             command, path = order["COMMAND"], order["DATA"]
@@ -181,9 +181,9 @@ class Server:
                 if listener.due:
                     try:
                         await listener.tell(self.values)
-                    except (ConnectionError, RuntimeError):  # it has gone
+                    except (ConnectionError, RuntimeError):  # disconnected
                         pass
-                    except Exception as error:  # one that cannot be told anything is not told anything
+                    except Exception as error:  # drop a listener that cannot be served
                         FAULTS.note("telling one listener", error)
                         self._listeners.discard(listener)
 

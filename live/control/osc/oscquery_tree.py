@@ -1,7 +1,7 @@
-"""OSCQuery: the tree of all controls and figures as JSON, by which other programs find out what there is.
+"""OSCQuery namespace: the tree of all controls and readings as JSON, for discovery by other programs.
 
-After the proposal at github.com/Vidvox/OSCQueryProposal (2018). Of a control the arguments are told that must be given,
-or that are its value: the optional ones (how long, for whom) are left to whoever reads the reference.
+After the proposal at github.com/Vidvox/OSCQueryProposal (2018). A control lists its required arguments and those that
+are its value. Optional arguments (duration, addressee) are only in the reference.
 """
 
 from dataclasses import replace
@@ -21,14 +21,14 @@ _TYPES: Final = {"float": "f", "bool": "T", "name": "s", "text": "s", "int": "i"
 
 
 def told_of(control: Control) -> tuple[Argument, ...]:
-    """The arguments that others are told of."""
+    """Return the arguments that the tree lists."""
     if control.value:
         return control.arguments[: control.named + control.value]
     return tuple(argument for argument in control.arguments if argument.default is None)
 
 
 class Namespace:
-    """The tree. Thread: one."""
+    """The tree of nodes. Use from one thread."""
 
     def __init__(self, values: Values) -> None:
         self._values = values
@@ -48,7 +48,7 @@ class Namespace:
         node |= facts
 
     def _grow(self) -> None:
-        """Whoever is named by a value has nodes of her own."""
+        """Add a node for each name that has a value."""
         for control in _NAMED:
             for name, _ in self._values.rows(control.address):
                 path = control.address_of(name)
@@ -57,7 +57,7 @@ class Namespace:
                     self._add(path, _of_control(own))
 
     def has(self, path: str) -> bool:
-        """Whether there is such a node."""
+        """Whether a node exists."""
         self._grow()
         return _clean(path) in self._nodes
 
@@ -66,12 +66,12 @@ class Namespace:
         return bool(self._nodes.get(_clean(path), {}).get("ACCESS", NONE) & READ)
 
     def node(self, path: str) -> dict[str, Any]:
-        """A node with all below it and their present values; KeyError if there is none."""
+        """Return a node with all below it and their current values; KeyError if there is none."""
         self._grow()
         return self._with_values(self._nodes[_clean(path)])
 
     def attribute(self, path: str, name: str) -> dict[str, Any] | None:
-        """One attribute of a node; None if it has not got it; KeyError if there is no such node or attribute."""
+        """Return one attribute of a node; None if the node lacks it; KeyError for an unknown node or attribute."""
         if name not in ATTRIBUTES:
             raise KeyError(name)
         node = self.node(path)
@@ -81,7 +81,7 @@ class Namespace:
         told = dict(node)
         if node["ACCESS"] & READ:
             rows = self._values.rows(node["FULL_PATH"])
-            if rows:  # of groups that differ, the first: the messages of a LISTEN have them all
+            if rows:  # if groups differ, the first; LISTEN sends all of them
                 name, value = rows[0]
                 whole = (name, *value) if node["FULL_PATH"] in _NAMES else value
                 told["VALUE"] = list(whole)
@@ -131,13 +131,13 @@ def _range(argument: Argument) -> dict[str, Any]:
 
 
 def host_info(name: str, osc: tuple[str, int], http: tuple[str, int]) -> dict[str, Any]:
-    """Who answers, what it can do, and where its OSC and its WebSocket are."""
+    """Return HOST_INFO: name, extensions, and the addresses of OSC and WebSocket."""
     can = ("ACCESS", "VALUE", "RANGE", "DESCRIPTION", "TAGS", "UNIT", "CLIPMODE", "CRITICAL", "LISTEN")
     info: dict[str, Any] = {
         "NAME": name, "EXTENSIONS": dict.fromkeys(can, True), "OSC_PORT": osc[1], "OSC_TRANSPORT": "UDP",
         "WS_PORT": http[1],
     }  # fmt: skip
     for key, (host, _) in (("OSC_IP", osc), ("WS_IP", http)):
-        if host not in ("0.0.0.0", "::"):  # elsewhere: where the question was sent
+        if host not in ("0.0.0.0", "::"):  # if left out, clients use the host they queried
             info[key] = host
     return info

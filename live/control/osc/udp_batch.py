@@ -1,6 +1,6 @@
-"""Datagrams: reads many of them from a UDP socket with one call of the system, where it can (Linux: recvmmsg(2)).
+"""Batch reader for UDP datagrams: many per system call where possible (Linux: recvmmsg(2)).
 
-One call for each costs the interpreter more than the datagrams themselves, and in a flood the frame waits for it.
+In a flood, one call per datagram would cost the interpreter more than the datagrams themselves and delay the frame.
 """
 
 import ctypes
@@ -36,10 +36,10 @@ class _Header(ctypes.Structure):
 
 
 class Datagrams:
-    """The datagrams of one socket that does not block. Thread: one."""
+    """Batch reader of one non-blocking socket. Use from one thread."""
 
     def __init__(self, sock: socket.socket, largest: int) -> None:
-        """`largest`: bytes of a datagram that are read; what is longer shows by one more byte."""
+        """`largest`: maximum size of a datagram; a longer one is cut to one byte more."""
         self._socket, self._size = sock, largest + 1
         self._senders: dict[bytes, Any] = {}
         self._call: Any = None
@@ -64,7 +64,7 @@ class Datagrams:
         self._call, self._view, self._used = call, memoryview(self._bytes), AT_A_TIME
 
     def read(self) -> list[tuple[bytes, Any]]:
-        """What is there, with who sent it, at most `AT_A_TIME`; OSError as of recvfrom."""
+        """Return waiting datagrams with their senders, at most `AT_A_TIME`; OSError as from recvfrom."""
         if self._call is None:
             try:
                 return [self._socket.recvfrom(self._size)]
@@ -89,7 +89,7 @@ class Datagrams:
         return found
 
     def _sender(self, name: bytes) -> Any:
-        """The address in a struct sockaddr, as Python writes it; the same object as long as it is remembered."""
+        """Return the address in a struct sockaddr as Python's tuple; cached, so usually the same object."""
         if len(self._senders) >= _MOST_SENDERS:
             self._senders.clear()
         port = struct.unpack_from(">H", name, 2)[0]

@@ -1,4 +1,1 @@
-"""The registry lists every control: its address, arguments, ranges, roles and event.
-
-It may import what `control` may.
-"""
+"""Registry of all controls: address, arguments, ranges, roles and event. May import the same layers as `control`."""

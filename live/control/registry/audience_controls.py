@@ -1,4 +1,4 @@
-"""The audience's phones: what the operator lets them do, and what they vote for."""
+"""Controls of the audience's phones: permissions and votes."""
 
 from typing import Final
 
@@ -7,11 +7,11 @@ from live.control.events.events import ControlEvent
 from live.control.registry.control import Argument, Control
 
 CARD: Final = "qr"
-"""The card with the code that phones join by."""
+"""The test card with the QR code for joining."""
 NOTHING: Final = "-"
-"""A choice that is none."""
+"""Placeholder for an unused choice."""
 _REGION: Final = Argument("name", "name", "a region of the patch's [audience]; * means all")
-_ON: Final = Argument("on", "bool", "1: so it is, 0: not any more", default=True)
+_ON: Final = Argument("on", "bool", "1: on, 0: off", default=True)
 
 
 def _ban(*, time: float, source: str, number: float, on: bool) -> ControlEvent:
@@ -34,49 +34,49 @@ def _code(*, time: float, source: str, on: bool) -> ControlEvent:
 AUDIENCE_CONTROLS: Final = (
     Control(
         "/dance/audience/open", events.OpenAudience,
-        (Argument("on", "bool", "1: phones may play, 0: nothing of them acts or is seen"),),
-        "Lets phones play, or none, within one tick.", "operator", "continuous", 1, (True,),
+        (Argument("on", "bool", "1: phones may take part, 0: they have no effect and are not shown"),),
+        "Opens the show to phones, or closes it within one tick.", "operator", "continuous", 1, (True,),
     ),
     Control("/dance/audience/close", _close, (), "The same as /dance/audience/open 0, for a button.", "operator"),
     Control(
         "/dance/audience/gain", events.SetAudienceGain,
-        (Argument("gain", "float", "how strongly the audience is heard", "", 0, 1),),
-        "How strongly dancers hear the audience.", "operator", "continuous", 1, (1.0,),
+        (Argument("gain", "float", "influence of the audience", "", 0, 1),),
+        "Sets how strongly the audience influences dancers.", "operator", "continuous", 1, (1.0,),
     ),
     Control(
-        "/dance/audience/mute", events.MuteAudience, (Argument("on", "bool", "1: dancers do not hear it, 0: they do"),),
-        "Dancers do not hear the audience; phones play on, and their lights are seen.",
+        "/dance/audience/mute", events.MuteAudience, (Argument("on", "bool", "1: no influence, 0: influence"),),
+        "Mutes the audience's influence on dancers; phones stay in, and their lights are shown.",
         "operator", "continuous", 1, (False,),
     ),
     Control(
         "/dance/audience/region", events.WeighRegion,
-        (_REGION, Argument("weight", "float", "what each of its voices weighs; 0: it is not heard", "", 0, 4)),
-        "Weighs the voices of a region of the audience.", "operator",
+        (_REGION, Argument("weight", "float", "weight of each of its voices; 0: none", "", 0, 4)),
+        "Sets the weight of a region of the audience.", "operator",
     ),
     Control(
         "/dance/audience/turn", events.GiveTurn,
-        (_REGION, Argument("measures", "float", "for how long", "measures", 1, 1024, 4.0)),
-        "From the next measure line on only this region plays; its phones count in. * ends it.", "operator",
+        (_REGION, Argument("measures", "float", "duration", "measures", 1, 1024, 4.0)),
+        "From the next measure line on only this region takes part; its phones count in. * ends it.", "operator",
     ),
     Control(
         "/dance/audience/ban", _ban,
-        (Argument("number", "float", "its number, as the status tells; 0 with on = 0: lifts all", "", 0, 2e9),
+        (Argument("number", "float", "its number in the status; 0 with on = 0: lifts all bans", "", 0, 2e9),
          _ON),
-        "A phone is not heard or seen any more, nor is who joins anew in its place; it is not told so.",
+        "Excludes a phone from effect and display, also after it joins again; the phone is not informed.",
         "operator",
     ),
     Control(
         "/dance/audience/vote", _vote,
         (
             Argument("what", "name", "step, scene, look or cue"),
-            Argument("first", "name", "a choice by its name in the patch"),
+            Argument("first", "name", "a choice, by its name in the patch"),
             Argument("second", "name", "another one"),
             Argument("third", "name", "another one; - is none", default=NOTHING),
             Argument("fourth", "name", "another one; - is none", default=NOTHING),
         ),
-        "The audience votes until a measure line (the patch's vote_measures), where the winner is called.", "operator",
+        "Starts a vote until a measure line (the patch's vote_measures), where the winner is called.", "operator",
     ),
-    Control("/dance/audience/vote/drop", events.DropVote, (), "Drops the vote: nothing is called.", "operator"),
+    Control("/dance/audience/vote/drop", events.DropVote, (), "Cancels the vote; nothing is called.", "operator"),
     Control(
         "/dance/audience/shake", events.AllowShaking,
         (Argument("on", "bool", "1: dancers spread when many phones are shaken, 0: not"),),
@@ -84,7 +84,7 @@ AUDIENCE_CONTROLS: Final = (
     ),
     Control(
         "/dance/audience/qr", _code, (_ON,),
-        "Every projector shows the code that phones join by, over the dimmed dance; 0: the picture again.", "operator",
+        "Every projector shows the QR code for joining over the dimmed dance; 0: the picture again.", "operator",
     ),
 )  # fmt: skip
-"""The addresses under /dance/audience."""
+"""The controls under /dance/audience."""

@@ -1,4 +1,4 @@
-"""The sound devices and the delays of a venue."""
+"""Controls of sound devices and the latencies of a venue."""
 
 from collections.abc import Callable
 from typing import Final
@@ -16,16 +16,16 @@ def _latency(what: str) -> Callable[..., ControlEvent]:
 
 
 _LATENCIES: Final = (
-    ("input", -500.0, "How long sound takes from the loudspeakers until it is heard here."),
-    ("output", -500.0, "How long sound takes from here until it is heard."),
-    ("display", 0.0, "How long a picture takes from here to the display."),
-    ("projector", 0.0, "How much longer the projector takes."),
+    ("input", -500.0, "Latency of sound from the loudspeakers to the input."),
+    ("output", -500.0, "Latency of sound from the output to the listeners."),
+    ("display", 0.0, "Latency of the picture to the display."),
+    ("projector", 0.0, "Additional latency of the projector."),
 )
 
 AUDIO_CONTROLS: Final = (
     Control(
         "/dance/audio/restart", events.RestartAudio, (),
-        "Closes the sound device and opens it again; the dance goes on meanwhile.", "operator",
+        "Closes the sound device and opens it again; the dance continues.", "operator",
     ),
     Control(
         "/dance/audio/device", events.ChooseAudio,
@@ -33,22 +33,22 @@ AUDIO_CONTROLS: Final = (
             Argument("device", "text", "the device's name or a part of it, see `live devices`"),
             Argument("channels", "name", "which of its channels: 3, or 5,6, or all", default="1,2"),
         ),
-        "Listens to another sound device.", "operator",
+        "Selects another sound input.", "operator",
     ),
     Control(
         "/dance/audio/channels", events.ChooseAudio,
         (Argument("channels", "name", "which channels of the device: 3, or 5,6, or all"),),
-        "Listens to other channels of the device.", "operator",
+        "Selects other channels of the sound input.", "operator",
     ),
     Control(
         "/dance/click", events.SetClick,
-        (Argument("on", "bool", "1: every beat, 0: only while somebody counts in", default=True),),
+        (Argument("on", "bool", "1: every beat, 0: only during a count-in", default=True),),
         "The players' click (`live play --click`).", "musician", "continuous", 1, (True,),
     ),
     *(
         Control(
             f"/dance/latency/{what}", _latency(what),
-            (Argument("milliseconds", "float", "how long", "ms", low, 500.0),), words, "operator", "continuous", 1,
+            (Argument("milliseconds", "float", "latency", "ms", low, 500.0),), words, "operator", "continuous", 1,
         )
         for what, low, words in _LATENCIES
     ),

@@ -1,4 +1,4 @@
-"""The beat, the light, and whether anybody listens."""
+"""Controls of the clock, blackout, and ping."""
 
 from typing import Final
 
@@ -8,7 +8,7 @@ from live.control.registry.control import Argument, Control, Reply
 
 METRE_MIN: Final = 2
 METRE_MAX: Final = 12
-"""Beats of a measure that may be asked for live."""
+"""Range of beats per measure that can be set live."""
 
 
 def _pong(time: float, source: str) -> Reply:
@@ -28,12 +28,12 @@ def _metre(*, time: float, source: str, beats: float) -> events.SetMetre:
 
 
 CLOCK_CONTROLS: Final = (
-    Control("/dance/clock/tap", events.Tap, (), "A beat is now; taps in a row give the tempo.", "musician"),
-    Control("/dance/clock/one", events.One, (), '"This is the one": a measure begins now.', "musician"),
+    Control("/dance/clock/tap", events.Tap, (), "Taps a beat; several taps give the tempo.", "musician"),
+    Control("/dance/clock/one", events.One, (), '"This is the one": a measure starts now.', "musician"),
     Control(
         "/dance/clock/tempo", events.SetTempo,
         (Argument("tempo", "float", "the new tempo", "bpm", TEMPO_MIN_BPM, TEMPO_MAX_BPM),),
-        "Sets the tempo; the beat goes on without a jump. Music that is heard takes over again after 8 s.",
+        "Sets the tempo; the beat continues without a jump. Tracked music takes over again after 8 s.",
         "musician", "continuous", 1,
     ),
     Control("/dance/clock/half", _half, (), "Half as many beats, from the next strong beat on.", "musician"),
@@ -41,7 +41,7 @@ CLOCK_CONTROLS: Final = (
     Control(
         "/dance/clock/nudge", events.Nudge,
         (Argument("seconds", "float", "later, or earlier if negative", "s", -0.25, 0.25, default=0.01),),
-        "Moves the beats a little against what the source in force says; nudges add up.", "musician",
+        "Moves the beats a little relative to the active source; nudges add up.", "musician",
     ),
     Control(
         "/dance/clock/shift", events.ShiftBeats,
@@ -50,30 +50,30 @@ CLOCK_CONTROLS: Final = (
     ),
     Control(
         "/dance/clock/hold", events.HoldTempo,
-        (Argument("on", "bool", "1: the tempo is frozen, 0: it follows again", default=True),),
-        "Freezes the tempo: nothing that is heard corrects tempo or beat.", "musician", "continuous", 1, (False,),
+        (Argument("on", "bool", "1: the tempo is frozen, 0: it follows the source again", default=True),),
+        "Freezes the tempo: no source corrects tempo or beat.", "musician", "continuous", 1, (False,),
     ),
     Control(
         "/dance/clock/metre", _metre,
         (Argument("beats", "float", "beats of a measure, rounded", "beats", METRE_MIN, METRE_MAX),),
-        "Measures have so many beats from the next measure line on; a step fills the measure.",
+        "Sets the beats per measure from the next measure line on; a step fills the measure.",
         "musician", "continuous", 1,
     ),
     Control(
         "/dance/clock/count_in", events.CountIn,
         (Argument("measures", "float", "measures counted before the one, rounded", "measures", 0, 8, default=1.0),),
-        "Counts in, from the next beat if there is one, else after a measure of taps; then comes the one.", "musician",
+        "Counts in to the one, from the next beat if there is one, else after a measure of taps.", "musician",
     ),
     Control(
         "/dance/clock/source", events.ChooseSource,
         (Argument("name", "name", '"auto", or one of link, midi, mtc, audio, tap, internal', default="auto"),),
-        "Which source is followed; it takes over at a measure line, once it is there.",
+        "Selects the clock source; it takes over at a measure line, once it is available.",
         "operator", "continuous", 1, ("auto",),
     ),
     Control(
         "/dance/blackout", events.Blackout,
-        (Argument("on", "bool", "1: the light goes out, 0: it comes back"),),
-        "Turns the light of the show out or on.", "operator", "continuous", 1, (False,),
+        (Argument("on", "bool", "1: light off, 0: light on"),),
+        "Switches the light of the show off or on.", "operator", "continuous", 1, (False,),
     ),
     Control("/dance/ping", _pong, (), "Answers /dance/pong, to the sender only; changes nothing.", "audience"),
 )  # fmt: skip

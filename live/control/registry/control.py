@@ -1,8 +1,6 @@
-"""Control: one control, whoever uses it (OSC, keys, web pages), with the types, units and ranges of its arguments.
+"""Definition of a control, used over OSC, keys and web pages: arguments with types, units and ranges.
 
-Values are checked here, before any numeric code sees them.
-
-Arguments that several controls have.
+Values are checked here, before they reach numeric code. Arguments shared by several controls are at the end.
 """
 
 import re
@@ -18,39 +16,39 @@ NAME_LENGTH: Final = 64
 TEXT_LENGTH: Final = 250
 Role = Literal["operator", "musician", "audience"]
 RANKS: Final[dict[Role, int]] = {"audience": 0, "musician": 1, "operator": 2}
-"""Who comes before whom."""
+"""Order of the roles; a higher one includes the lower ones."""
 Kind = Literal["continuous", "event"]
-"""continuous: says what something is from now on, so that of several at once the last one counts; event: each acts."""
+"""continuous: sets a value, so that of several messages at once only the last counts; event: every message acts."""
 Plain = float | bool | str
 
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """What a control answers to its sender only, instead of changing the show."""
+    """An answer to the sender only; the show does not change."""
 
     address: str
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a control asks of the port over which it came, for its sender: nothing of the show changes."""
+    """A request to the port that received it, on behalf of the sender; the show does not change."""
 
     what: Literal["get", "subscribe", "unsubscribe"]
     address: str = ""
-    """Of which control, or which controls."""
+    """Address or pattern of the controls."""
     seconds: float = 0.0
     port: int = 0
-    """Where the sender hears; 0: where it sends from."""
+    """The port where the sender receives; 0: the port it sends from."""
 
 
 @dataclass(frozen=True, slots=True)
 class Released:
-    """A button of a control without arguments was let go: nothing happens, and nothing is wrong."""
+    """A button of a control without arguments was released; this is valid and has no effect."""
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """One argument: its name (that of the event's field), type, unit, allowed range and, if optional, default."""
+    """One argument: its name (as the event's field), type, unit, allowed range and, if optional, default."""
 
     name: str
     type: Literal["float", "bool", "name", "text"]
@@ -59,11 +57,11 @@ class Argument:
     minimum: float = 0.0
     maximum: float = 0.0
     default: Plain | None = None
-    """None: the argument must be given."""
+    """None: the argument is required."""
 
     @property
     def expected(self) -> str:
-        """What is allowed, in words."""
+        """The allowed values as text."""
         if self.type == "float":
             return f"{self.name} {self.minimum:g} to {self.maximum:g}" + (f" {self.unit}" if self.unit else "")
         if self.type == "bool":
@@ -72,11 +70,11 @@ class Argument:
 
     @property
     def length(self) -> int:
-        """Most characters of a name or text."""
+        """Maximum length of a name or text."""
         return NAME_LENGTH if self.type == "name" else TEXT_LENGTH
 
     def checked(self, value: object) -> Plain | Reason:
-        """The value in its own type, or why not: never NaN, never out of range. `True` is no number here."""
+        """Return the value in its own type, never NaN or out of range, or the reason. `True` is not a number."""
         kind = type(value)
         if self.type in ("name", "text"):
             if value == "" == self.default:
@@ -104,17 +102,17 @@ _SINGLE: Final = struct.Struct("<f")
 
 
 def _as_sent(value: float) -> float:
-    """What comes of a number that is sent in single precision, as OSC sends it."""
+    """Return a number rounded to single precision, as OSC sends it."""
     return float(_SINGLE.unpack(_SINGLE.pack(value))[0])
 
 
 Result = ControlEvent | Reply | Request | Released | Rejection
-"""What comes of a call."""
+"""Result of a call."""
 
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """One control. `make` gets time [s], source and every argument by its name. `who`: the least role that may."""
+    """One control. `make` gets time [s], source and every argument by its name. `who`: the lowest role allowed."""
 
     address: str
     make: Callable[..., ControlEvent | Reply | Request]
@@ -123,49 +121,47 @@ class Control:
     who: Role
     kind: Kind = "event"
     value: int = 0
-    """How many of the first arguments (`named`: after the name) are its present value; 0: it has none that could be
-    asked for."""
+    """Number of leading arguments (`named`: after the name) that form its current value; 0: no readable value."""
     start: tuple[Plain, ...] = ()
-    """What the value is where nobody says anything; empty: the patch or the machine decides it."""
+    """The default value; empty: the patch or the machine decides it."""
     named: bool = False
-    """Whether the first argument is a name, of whom or what the value is: that one may stand in the address, before its
-    last part, and each has a value of its own."""
+    """Whether the first argument names the owner of the value: each name has its own value, and the name may stand in
+    the address, before its last part."""
 
     def __post_init__(self) -> None:
         if self.value and self.kind == "event":
-            raise ValueError(f"{self.address}: an event has no present value")
+            raise ValueError(f"{self.address}: an event has no current value")
         optional = [argument.default is not None for argument in self.arguments]
         if optional != sorted(optional):
-            raise ValueError(f"{self.address}: an argument that must be given stands after an optional one")
+            raise ValueError(f"{self.address}: a required argument comes after an optional one")
 
     @property
     def valued(self) -> tuple[Argument, ...]:
-        """The arguments that are its present value."""
+        """The arguments that form its current value."""
         return self.arguments[self.named : self.named + self.value]
 
     def asked_by_nothing(self, address: str) -> bool:
-        """Whether a message without values to an `address` of its asks for the value: not where it already means
-        something."""
+        """Whether a message without values to `address` is a query; not if all arguments are optional."""
         first = self.valued if self.named and address != self.address else self.arguments
         return self.value > 0 and first[0].default is None
 
     def address_of(self, name: str) -> str | None:
-        """The address that has this name in it, as `/dance/mocap/anna/mirrored`; None if no address can."""
+        """Return the address with this name in it, as `/dance/mocap/anna/mirrored`; None if the name does not fit."""
         if not _IN_ADDRESS.fullmatch(name):
             return None
         head, _, last = self.address.rpartition("/")
         return f"{head}/{name}/{last}"
 
     def whom(self, values: Sequence[object]) -> tuple[str, ...]:
-        """The texts among the `values` of a message that are not its value, but say whose it is."""
+        """Return the texts among a message's `values` that address it (name, group) and are not its value."""
         others = (*values[: self.named], *values[self.named + self.value :])
         return tuple(value for value in others if isinstance(value, str))
 
     def call(self, values: Sequence[object], time: float, source: str) -> Result:
-        """Check `values` and make the event; None is no value: an optional argument takes its default.
+        """Check `values` and make the event; for None an optional argument takes its default.
 
-        Push buttons of control surfaces send 1 when pressed and 0 when let go: a control without arguments acts on
-        the 1 and ignores the 0.
+        Push buttons of control surfaces send 1 when pressed and 0 when released: a control without arguments acts on
+        1 and ignores 0.
         """
         count = len(values)
         while count and values[count - 1] is None:
@@ -193,14 +189,14 @@ GROUP = Argument("group", "name", "the group's name in the patch; a single * is 
 WHO = Argument(
     "group",
     "text",
-    "who: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; * is all",
+    "the dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; * is all",
     default="*",
 )
-X = Argument("x", "float", "to the right as the audience sees it, from the centre of the stage", "m", -100, 100)
+X = Argument("x", "float", "to the right as seen by the audience, from the centre of the stage", "m", -100, 100)
 Z = Argument("z", "float", "towards the audience, from the centre of the stage", "m", -100, 100)
-X2 = Argument("x2", "float", "the same of the second point", "m", -100, 100)
-Z2 = Argument("z2", "float", "the same of the second point", "m", -100, 100)
-STRENGTH = Argument("strength", "float", "how strongly it acts; 1 is the usual strength", "", 0, 10, 1.0)
+X2 = Argument("x2", "float", "x of the second point", "m", -100, 100)
+Z2 = Argument("z2", "float", "z of the second point", "m", -100, 100)
+STRENGTH = Argument("strength", "float", "how strongly it acts; 1 is the default strength", "", 0, 10, 1.0)
 MEASURES = Argument("measures", "float", "how long it acts", "measures", 0.25, 1024, 4.0)
 NEXT = Argument("next", "bool", "1: from the next measure line on, 0: now", default=False)
-POINTS = Argument("points", "text", "x z of one point after the other, as in `-3 0, 0 -2, 3 0`")
+POINTS = Argument("points", "text", "x z of each point in order, as in `-3 0, 0 -2, 3 0`")

@@ -1,4 +1,4 @@
-"""Procedural elements: attractors, repulsors, spreaders, crossings, flows and the rest (T105-T110, T132)."""
+"""Controls of procedural elements: attractors, repulsors, spreaders, crossings, flows and so on (T105-T110, T132)."""
 
 from collections.abc import Callable
 from typing import Final
@@ -8,13 +8,13 @@ from live.control.events.events import ControlEvent
 from live.control.registry.control import MEASURES, NEXT, POINTS, STRENGTH, WHO, X2, Z2, Argument, Control, X, Z
 
 _USUAL: Final = (STRENGTH, MEASURES, WHO, NEXT)
-_RADIUS: Final = Argument("radius", "float", "how far the region reaches", "m", 0.1, 50)
-_TURN: Final = Argument("strength", "float", "how strongly it acts; below 0 the other way round", "", -10, 10, 1.0)
+_RADIUS: Final = Argument("radius", "float", "radius of the region", "m", 0.1, 50)
+_TURN: Final = Argument("strength", "float", "how strongly it acts; below 0: in reverse", "", -10, 10, 1.0)
 _WHOM: Final = Argument("whom", "name", "a dancer's number from 1, or the name of a group")
 
 
 def _place(kind: str, *, flow: str = "", closed: bool = False) -> Callable[..., ControlEvent]:
-    """The event that places an element of a kind, from whatever arguments its control has."""
+    """Return the event constructor that places an element of a kind, for the arguments of its control."""
 
     def make(
         *,
@@ -54,19 +54,19 @@ ELEMENT_CONTROLS: Final = (
     ),
     Control(
         "/dance/attract/region", _place("attract"), (X, Z, _RADIUS, *_USUAL),
-        "Dancers come into a region; inside it they are free.", "musician",
+        "Dancers come into a region; inside it they move freely.", "musician",
     ),
     Control(
         "/dance/voice", events.Voice, (X, Z),
-        "One voice of an audience: dancers go where many voices are, and never for a single one. Each sender has one; "
-        "it fades after two measures unless it is sent again.", "audience", "continuous",
+        "One voice of an audience: dancers go to places with many voices, never to a single one. Each sender has one "
+        "voice; it fades after two measures unless it is sent again.", "audience", "continuous",
     ),
     Control(
-        "/dance/repel", events.Repel, (X, Z, *_USUAL), "Dancers leave the surroundings of a point.", "musician",
+        "/dance/repel", events.Repel, (X, Z, *_USUAL), "Dancers move away from a point.", "musician",
     ),
     Control(
         "/dance/repel/line", _place("repel"), (X, Z, X2, Z2, *_USUAL),
-        "Dancers leave the surroundings of a line.", "musician",
+        "Dancers move away from a line.", "musician",
     ),
     Control(
         "/dance/repel/region", _place("repel"), (X, Z, _RADIUS, *_USUAL), "Dancers leave a region.", "musician",
@@ -74,30 +74,30 @@ ELEMENT_CONTROLS: Final = (
     Control("/dance/spread", events.Spread, (MEASURES, WHO, NEXT), "Dancers spread over the stage.", "musician"),
     Control(
         "/dance/cross", _place("cross"), (X, Z, X2, Z2, *_USUAL),
-        "Dancers cross a bar through two points: each side changes over to the other.", "musician",
+        "Dancers cross a line through two points: each side changes to the other.", "musician",
     ),
     Control(
         "/dance/flow", _place("flow", flow="uniform"), (X, Z, X2, Z2, *_USUAL),
-        "Dancers go as from the first point to the second, wherever they are.", "musician",
+        "Dancers go in the direction from the first point to the second, everywhere on the stage.", "musician",
     ),
     Control(
         "/dance/flow/radial", _place("flow", flow="radial"), (X, Z, _TURN, MEASURES, WHO, NEXT),
-        "Dancers go outwards from a point; with a strength below 0 inwards.", "musician",
+        "Dancers go away from a point; with a strength below 0 towards it.", "musician",
     ),
     Control(
         "/dance/flow/vortex", _place("flow", flow="vortex"), (X, Z, _TURN, MEASURES, WHO, NEXT),
-        "Dancers go round a point.", "musician",
+        "Dancers go around a point.", "musician",
     ),
     Control(
         "/dance/flow/drawn", _place("flow", flow="drawn"), (POINTS, *_USUAL),
-        "Dancers go along a drawn line's direction.", "musician",
+        "Dancers go in the direction of a drawn line.", "musician",
     ),
     Control(
         "/dance/path", _place("path"), (POINTS, *_USUAL), "Dancers follow a drawn path.", "musician",
     ),
     Control("/dance/wander", _place("wander"), _USUAL, "Dancers wander.", "musician"),
-    Control("/dance/flock", _place("flock"), _USUAL, "Dancers go together, as birds in a flock.", "musician"),
+    Control("/dance/flock", _place("flock"), _USUAL, "Dancers move together, like birds in a flock.", "musician"),
     Control("/dance/follow", _place("follow"), (_WHOM, *_USUAL), "Dancers follow a leader.", "musician"),
-    Control("/dance/pursue", _place("pursue"), (_WHOM, *_USUAL), "Dancers run after somebody.", "musician"),
-    Control("/dance/evade", _place("evade"), (_WHOM, *_USUAL), "Dancers run away from somebody.", "musician"),
+    Control("/dance/pursue", _place("pursue"), (_WHOM, *_USUAL), "Dancers pursue a dancer or group.", "musician"),
+    Control("/dance/evade", _place("evade"), (_WHOM, *_USUAL), "Dancers evade a dancer or group.", "musician"),
 )  # fmt: skip

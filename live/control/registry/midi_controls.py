@@ -1,4 +1,4 @@
-"""What MIDI controllers work, taught while a show runs."""
+"""Controls of MIDI learn during a show."""
 
 from typing import Final
 
@@ -18,19 +18,19 @@ MIDI_CONTROLS: Final = (
     Control(
         "/dance/midi/learn", _learn,
         (
-            Argument("address", "text", "of the control; empty: nothing after all", default=""),
+            Argument("address", "text", "of the control; empty: cancel", default=""),
             *(
-                Argument(name, "text", "always the same: a group, a scene's name …, or `name=value`", default="")
+                Argument(name, "text", "a fixed value: a group, a scene's name …, or `name=value`", default="")
                 for name in _WORDS
             ),
         ),
-        "The next MIDI controller, pad or key that is moved works this control from then on; the patch keeps it.",
+        "Binds this control to the next MIDI controller, pad or key that is moved; saved with the patch.",
         "operator",
     ),
     Control(
         "/dance/midi/forget", ForgetMidi,
         (Argument("address", "text", "of the control"),),
-        "What was learned for this control works it no more.", "operator",
+        "Removes the learned bindings of this control.", "operator",
     ),
 )  # fmt: skip
-"""The addresses under /dance/midi."""
+"""The controls under /dance/midi."""

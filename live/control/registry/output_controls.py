@@ -1,4 +1,4 @@
-"""The picture as a whole, and the projectors that it goes to."""
+"""Controls of the whole picture and of the projectors."""
 
 from typing import Final
 
@@ -9,21 +9,21 @@ OUTPUT_CONTROLS: Final = (
     Control(
         "/dance/output/fade", events.FadePicture,
         (
-            Argument("level", "float", "share of the light that is left", "", 0, 1),
-            Argument("beats", "float", "how long it takes; 0 is at once, but no flash", "beats", 0, 1024, 4.0),
+            Argument("level", "float", "remaining share of the light", "", 0, 1),
+            Argument("beats", "float", "how long it takes; 0 is at once, without a flash", "beats", 0, 1024, 4.0),
         ),
-        "Fades the whole picture out, in, or to any level; no scene, cue or panic changes it.",
+        "Fades the whole picture out, in, or to any level; scenes, cues and panic do not change it.",
         "operator", "continuous", 1, (1.0,),
     ),
     Control(
         "/dance/output/freeze", events.FreezePicture,
-        (Argument("on", "bool", "1: the picture stands still, 0: it goes on", default=True),),
-        "Freezes the picture; the dance goes on unseen, blackout and fade still work.",
+        (Argument("on", "bool", "1: frozen, 0: moving", default=True),),
+        "Freezes the picture; the dance continues unseen, blackout and fade still work.",
         "operator", "continuous", 1, (False,),
     ),
     Control(
         "/dance/output/flashes", events.AllowFlashes,
-        (Argument("on", "bool", "1: as many as the show makes, 0: at most three a second"),),
+        (Argument("on", "bool", "1: no limit, 0: at most three per second"),),
         "Lifts the limit on flashes, which may harm people with photosensitive epilepsy. Warn them first.",
         "operator", "continuous", 1, (False,),
     ),
@@ -37,8 +37,8 @@ OUTPUT_CONTROLS: Final = (
     ),
     Control(
         "/dance/picture/quality", events.HoldQuality,
-        (Argument("step", "float", "0: the best; -1: as the machine can afford", "", -1, 15, -1.0),),
-        "Holds a step of the picture's quality; the status says which there are.", "operator",
+        (Argument("step", "float", "0: the best; -1: automatic", "", -1, 15, -1.0),),
+        "Holds a quality level of the picture; the status lists the levels.", "operator",
     ),
 )  # fmt: skip
-"""The addresses under /dance/output, and what else concerns the picture as a whole."""
+"""The controls under /dance/output, and others of the whole picture."""

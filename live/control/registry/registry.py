@@ -1,10 +1,6 @@
-"""The registry: one table of every control, whoever uses it (OSC, keys, web pages).
+"""Registry of all controls (for OSC, keys and web pages) and readings, and the store of their current values.
 
-The reference in docs/osc.md is written from this table.
-
-Readings: what can only be read of a running show, under /dance/status, as the values of controls are.
-
-Values: what everything that has a present value is now, as the show said it last, for whoever asks or listens.
+The reference in docs/osc.md is generated from it. Readings are figures of a running show, under /dance/status.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,11 +26,11 @@ from live.control.registry.system_controls import ASKING_CONTROLS, MACHINE_CONTR
 
 _PASS: Final = "/dance/pass/"
 _MOCAP: Final = "/dance/mocap/"
-"""Below it the performer's name may stand in the address: `/dance/mocap/anna/mirrored`."""
+"""Controls under it accept the performer's name in the address: `/dance/mocap/anna/mirrored`."""
 
 
 class Registry:
-    """Controls by their exact address; patterns are for the port to find out (`osc_pattern`)."""
+    """Controls by their exact address; patterns are resolved by the port (`osc_pattern`)."""
 
     def __init__(self, controls: Sequence[Control]) -> None:
         self._controls: Mapping[str, Control] = {control.address: control for control in controls}
@@ -48,11 +44,11 @@ class Registry:
         return self._controls[address]
 
     def find(self, address: str) -> Control | None:
-        """The control at an address; None if there is none."""
+        """Return the control at an address; None if there is none."""
         return self._controls.get(address)
 
     def meant(self, address: str) -> Control | None:
-        """The control that answers to an address: of a patch's own passes only the show knows the names."""
+        """Return the control for an address, also with a pass or performer name in it; None if there is none."""
         control = self._controls.get(address)
         if control is None and address.startswith(_PASS):
             return self._controls.get(f"{_PASS}set" if address.count("/") == 4 else _PASS.rstrip("/"))
@@ -61,9 +57,9 @@ class Registry:
         return control
 
     def call(self, address: str, values: Sequence[object], time: float, source: str) -> Result:
-        """What the control at `address` makes of `values`, received at `time` [s of the show] from `source`.
+        """Call the control at `address` with `values` received at `time` [s of the show] from `source`.
 
-        Thread: any. Never raises for anything a sender can choose.
+        Call from any thread. Never raises for anything that a sender can choose.
         """
         control = self.meant(address)
         if control is None:
@@ -71,14 +67,14 @@ class Registry:
         return control.call(self.whole(address, values), time, source)
 
     def whole(self, address: str, values: Sequence[object]) -> Sequence[object]:
-        """The values of a message, with those before them that stand in its address."""
+        """Return the values of a message, preceded by those in its address."""
         if address in self._controls or self.meant(address) is None:
             return values
         within = address.removeprefix(_PASS).split("/")
         return [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
 
     def kept_at(self, address: str) -> tuple[str, str]:
-        """The address under which the show tells the value of `address`, and the name that this has in it, or ""."""
+        """Return the address under which the value of `address` is stored, and the name in `address` or ""."""
         control = None if address in self._controls else self.meant(address)
         return (address, "") if control is None or not control.named else (control.address, address.split("/")[3])
 
@@ -103,7 +99,7 @@ REGISTRY: Final = Registry(
         *ASKING_CONTROLS,
     )
 )
-"""Every control there is."""
+"""All controls."""
 
 
 STATUS: Final = "/dance/status/"
@@ -111,7 +107,7 @@ STATUS: Final = "/dance/status/"
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One figure of a running show."""
+    """One read-only figure of a running show."""
 
     name: str
     type: Literal["float", "int", "text"]
@@ -127,54 +123,54 @@ class Reading:
 READINGS: Final = (
     Reading("measure", "int", "The measure of the show, from 1."),
     Reading("beat", "int", "The beat of the measure, from 1."),
-    Reading("bpm", "float", "The tempo that is danced.", "bpm"),
-    Reading("source", "text", "Which source the beat comes from."),
-    Reading("clock", "text", "How sure that source is: internal, listening, following or locked."),
-    Reading("dancers", "int", "Dancers on the stage."),
-    Reading("phones", "int", "Phones of the audience that play along."),
-    Reading("section", "text", "The section of the score; empty outside of all."),
-    Reading("cue", "text", "The cue that stands by; empty if none does."),
-    Reading("count_in", "float", "Beats until the cue comes that counts in; 0 if none does.", "beats"),
-    Reading("note_energy", "float", "How hard notes over MIDI are struck, dying away; 0 to 1."),
-    Reading("note_density", "float", "Strokes of notes over MIDI per beat.", "1/beat"),
-    Reading("notes", "int", "Notes over MIDI that sound."),
-    Reading("pitch", "float", "Where on the piano's keys they lie, 0 to 1."),
-    Reading("fading", "int", "Numbers that are on their way to another value."),
-    Reading("frame_ms", "float", "From one frame to the next; 99 of 100 are not longer.", "ms"),
-    Reading("late_frames", "int", "Frames that came late, since the start."),
-    Reading("accepted", "int", "Events that acted, since the start."),
-    Reading("refused", "int", "Messages and events that were refused, since the start."),
+    Reading("bpm", "float", "The tempo of the dance.", "bpm"),
+    Reading("source", "text", "The source of the beat."),
+    Reading("clock", "text", "The state of that source: internal, listening, following or locked."),
+    Reading("dancers", "int", "Number of dancers on the stage."),
+    Reading("phones", "int", "Number of phones of the audience that take part."),
+    Reading("section", "text", "The current section of the score; empty if none."),
+    Reading("cue", "text", "The cue on standby; empty if none."),
+    Reading("count_in", "float", "Beats until the cue that is counting in; 0 if none.", "beats"),
+    Reading("note_energy", "float", "Velocity of MIDI notes, decaying after each; 0 to 1."),
+    Reading("note_density", "float", "MIDI note-ons per beat.", "1/beat"),
+    Reading("notes", "int", "Number of MIDI notes that sound."),
+    Reading("pitch", "float", "Their mean position on the piano's keys, 0 to 1."),
+    Reading("fading", "int", "Number of values that are fading."),
+    Reading("frame_ms", "float", "Frame time, 99th percentile.", "ms"),
+    Reading("late_frames", "int", "Late frames since the start."),
+    Reading("accepted", "int", "Events applied since the start."),
+    Reading("refused", "int", "Messages and events refused since the start."),
 )
-"""All of them."""
+"""All readings."""
 
 
 Rows = tuple[tuple[str, tuple[Plain, ...]], ...]
-"""A value of all ("", numbers), or that of each group, or of each that a control names, by its name."""
+"""A value for all ("", values), or one for each group or each name of a named control."""
 Changes = Mapping[str, Rows]
-"""What has another value than before, by address."""
+"""Changed values by address."""
 
 READABLE: Final = (
     *(control.address for control in REGISTRY if control.value),
     *(reading.address for reading in READINGS),
 )
-"""Every address that may have a present value, in the order of the registry."""
+"""Every address that may have a current value, in the order of the registry."""
 
 
 class Values:
-    """The present values by address. Thread: one writes, any reads."""
+    """The current values by address. Write from one thread, read from any."""
 
     def __init__(self) -> None:
         self._rows: dict[str, Rows] = {}
 
     def take(self, changes: Changes) -> None:
-        """These have new values."""
+        """Store new values."""
         self._rows.update(changes)
 
     def __contains__(self, address: str) -> bool:
         return bool(self.rows(address))
 
     def rows(self, address: str) -> Rows:
-        """The value at an address; empty if it has none now."""
+        """Return the value at an address; empty if it has none now."""
         rows = self._rows.get(address)
         if rows is not None:
             return rows
@@ -182,8 +178,7 @@ class Values:
         return tuple(("", values) for name, values in self._rows.get(kept, ()) if name == whose) if whose else ()
 
     def messages(self, address: str) -> Iterator[tuple[str, tuple[Plain, ...]]]:
-        """Addresses and values of the messages that would set an address to what it is: one, or one for each group or
-        name."""
+        """Yield address and values of the messages that would set the current value: one, or one per group or name."""
         control = REGISTRY.find(address)
         for name, values in self.rows(address):
             if control is None or not control.named:
@@ -194,10 +189,10 @@ class Values:
                 yield address, (name, *values)
 
     def all(self) -> Changes:
-        """Everything that has a value now: a copy."""
+        """Return a copy of all current values."""
         return dict(self._rows)
 
 
 def changed(before: Changes, now: Changes) -> dict[str, Rows]:
-    """What of `now` is not equal to what was `before`."""
+    """Return the entries of `now` that differ from `before`."""
     return {address: rows for address, rows in now.items() if before.get(address) != rows}

@@ -1,6 +1,6 @@
-"""Rejections: why something that came in was refused, as a value and as a count; nothing here ever raises.
+"""Refusals of incoming messages, as values and as counts. Nothing here raises.
 
-The reasons are a fixed list, so that no sender can make the counts grow; their words are those of the status line.
+The reasons are a fixed list, so that no sender can make the table grow; their texts appear in the status line.
 """
 
 import re
@@ -47,12 +47,12 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Rejection:
-    """A control that was refused: the reason, its address as received, and what exactly was wrong with which value."""
+    """A refused message: the reason, its address as received, the allowed values and the one received."""
 
     reason: Reason
     address: str
     expected: str = ""
-    """What is allowed, in words."""
+    """The allowed values as text."""
     received: object = None
     """The value that was refused."""
 
@@ -66,7 +66,7 @@ class Rejection:
 
 
 def _kind(value: object) -> str:
-    """A value of the wrong type, with what it is, and how the right one is written."""
+    """Describe a value of the wrong type, and how to write the right one."""
     shown = _shortened(value)
     if isinstance(value, str):
         return f'the text "{shown[1:-1]}"' + ("; write the number without quotes" if _NUMBER.fullmatch(value) else "")
@@ -81,34 +81,34 @@ _NUMBER: Final = re.compile(r"\s*[+-]?[0-9]{1,9}(\.[0-9]{0,9})?\s*")
 
 
 def _shortened(value: object) -> str:
-    """A hostile value in one short line: no control characters, at most 60 characters."""
+    """Return an untrusted value as one short line: no control characters, at most 60 characters."""
     text = ascii(value)[:61]
     return text if len(text) <= 60 else text[:59] + "…"
 
 
 class Tally:
-    """How often each reason came up.
+    """Number of refusals by reason.
 
-    Thread: `count` from one thread, the reading methods from any (the keys of the table never change).
+    Call `count` from one thread, the reading methods from any (the keys of the table never change).
     """
 
     def __init__(self) -> None:
         self._counts: dict[Reason, int] = dict.fromkeys(Reason, 0)
         self.total = 0
-        """All refusals."""
+        """Number of all refusals."""
 
     def count(self, reason: Reason) -> None:
-        """One more refusal for `reason`."""
+        """Count one refusal for `reason`."""
         self._counts[reason] += 1
         self.total += 1
 
     def as_dict(self) -> dict[str, int]:
-        """The reasons that came up, with their counts, in the order of `Reason`."""
+        """Return the nonzero counts by reason, in the order of `Reason`."""
         return {str(reason): count for reason, count in self._counts.items() if count}
 
 
 def merged(tallies: Iterable[Tally]) -> dict[str, int]:
-    """The counts of several doors (OSC, keys, web) in one table."""
+    """Return the counts of several inputs (OSC, keys, web) in one table."""
     totals: dict[str, int] = {}
     for tally in tallies:
         for reason, count in tally.as_dict().items():

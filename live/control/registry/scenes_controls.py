@@ -1,4 +1,4 @@
-"""Light, camera, looks and scenes: one control for every parameter of the picture, and what is recalled by name."""
+"""Controls of light, camera, looks and scenes: one for each picture parameter, and recall by name."""
 
 from collections.abc import Callable
 from typing import Final
@@ -10,12 +10,12 @@ from live.control.registry.control import GROUP, Argument, Control
 
 _MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
 _OWN: Final = Argument(
-    "measures", "float", "how long it takes; 0 is at once, -1 as long as it says itself", "measures", -1, 1024, -1.0
+    "measures", "float", "how long it takes; 0 is at once, -1: its own duration", "measures", -1, 1024, -1.0
 )
 _NAMES: Final = {
     "number": (("x", "how much"),),
     "colour": (("x", "red, linear"), ("y", "green, linear"), ("z", "blue, linear")),
-    "place": (("x", "to the right as the audience sees it"), ("y", "up"), ("z", "towards the audience")),
+    "place": (("x", "to the right as seen by the audience"), ("y", "up"), ("z", "towards the audience")),
 }
 
 
@@ -43,7 +43,7 @@ SCENE_CONTROLS: Final = (
         "/dance/pass", events.SetPass,
         (
             Argument("name", "name", "a pass of the picture: shadow, mirror, trails, bloom, ink, grade, vignette"),
-            Argument("amount", "float", "how much of it is seen; 0 is off", "", 0, 4),
+            Argument("amount", "float", "its strength; 0 is off", "", 0, 4),
             _MEASURES,
         ),
         "Switches a pass of the picture on or off, or fades it.", "operator",
@@ -51,12 +51,12 @@ SCENE_CONTROLS: Final = (
     Control(
         "/dance/pass/set", events.SetPass,
         (
-            Argument("name", "name", "a pass of the picture, as of the patch's own"),
+            Argument("name", "name", "a pass of the picture, also one of the patch"),
             Argument("parameter", "name", "one of its parameters"),
             Argument("amount", "float", "the new value, within the parameter's own range", "", -1e6, 1e6),
             _MEASURES,
         ),
-        "Sets a parameter of a pass; `/dance/pass/NAME/PARAMETER VALUE` does it, too.", "operator",
+        "Sets a parameter of a pass; `/dance/pass/NAME/PARAMETER VALUE` does the same.", "operator",
     ),
     Control(
         "/dance/camera", events.RecallView,
@@ -66,26 +66,26 @@ SCENE_CONTROLS: Final = (
     Control(
         "/dance/camera/follow", events.Accompany,
         (
-            Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all, `off` nobody"),
-            Argument("along", "float", "how far the camera goes along: 0 only turns, -1 as before", "", -1, 1, -1.0),
+            Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all, `off` is none"),
+            Argument("along", "float", "how far the camera moves along: 0 only turns, -1 as before", "", -1, 1, -1.0),
             _MEASURES,
         ),
-        "The camera follows somebody.", "operator",
+        "The camera follows dancers.", "operator",
     ),
     Control(
         "/dance/spot/follow", events.FollowSpot,
         (
             Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all"),
             Argument("spot", "float", "which of the follow spots", "", 1, SPOTS, 1.0),
-            Argument("level", "float", "how bright it becomes", "", 0, 4, 1.0),
+            Argument("level", "float", "its brightness", "", 0, 4, 1.0),
             _MEASURES,
         ),
-        "A follow spot goes after somebody.", "operator",
+        "A follow spot follows dancers.", "operator",
     ),
     Control(
         "/dance/background", events.ShowBackground,
         (Argument("name", "name", "a [[background]] of the patch, or `none`"), _MEASURES),
-        "Brings an image or a video behind the dancers; the others go.", "operator",
+        "Shows an image or a video behind the dancers instead of the others.", "operator",
     ),
     Control(
         "/dance/look", events.RecallLook,
@@ -99,8 +99,8 @@ SCENE_CONTROLS: Final = (
     ),
     Control(
         "/dance/scene/store", events.StoreScene,
-        (Argument("name", "name", "what the scene shall be called; one of this name is replaced"),),
-        "Keeps all parameters as they are now, as a scene of this show.", "operator",
+        (Argument("name", "name", "the scene's name; an existing scene of this name is replaced"),),
+        "Stores the current values of all parameters as a scene of this show.", "operator",
     ),
 )  # fmt: skip
-"""The addresses under /dance/light and /dance/camera, the groups' colours and styles, looks and scenes."""
+"""The controls under /dance/light and /dance/camera, the groups' colours and styles, looks and scenes."""

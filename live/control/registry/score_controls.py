@@ -1,4 +1,4 @@
-"""Where the score is and goes, and musical signals."""
+"""Controls of the score's position, practice, improvisation, and musical signals."""
 
 from typing import Final
 
@@ -10,7 +10,7 @@ MOST_MEASURES: Final = 100_000
 
 
 def _when(default: str) -> Argument:
-    return Argument("when", "name", "`measure`: at the next measure line; `section`: when its pass is over",
+    return Argument("when", "name", "`measure`: at the next measure line; `section`: at the end of its current pass",
                     default=default)  # fmt: skip
 
 
@@ -26,43 +26,44 @@ SCORE_CONTROLS: Final = (
     Control(
         "/dance/section", _jump,
         (
-            Argument("section", "name", "its name in the patch"),
+            Argument("section", "name", "the section's name in the patch"),
             _when("measure"),
-            Argument("measure", "float", "the measure of the section to go on with", "", 1, MOST_MEASURES, 1.0),
+            Argument("measure", "float", "the measure of the section to continue with", "", 1, MOST_MEASURES, 1.0),
         ),
-        "The score goes to a section. What is decided already, up to a beat before the line, is danced first.",
+        "The score goes to a section. Steps already decided, up to a beat before the line, are danced first.",
         "operator",
     ),
     Control(
         "/dance/advance", events.Advance, (_when("section"),),
-        "The score leaves a section that waits or repeats for what follows it.", "operator",
+        "The score leaves a waiting or repeating section for the following one.", "operator",
     ),
     Control(
         "/dance/hold/score", events.HoldScore,
-        (Argument("on", "bool", "1: the score stays in its measure, 0: it goes on"),),
-        "Holds the score, or lets it go on; the dance goes on with what it has.", "operator", "continuous", 1, (False,),
+        (Argument("on", "bool", "1: the score stays in its measure, 0: it continues"),),
+        "Holds or continues the score; the dance continues with its current steps.", "operator", "continuous", 1,
+        (False,),
     ),
     Control(
         "/dance/practice", _practise,
         (
-            Argument("first", "float", "the first measure of the written score; 0: no more practice", "", 0,
+            Argument("first", "float", "the first measure of the written score; 0: end of practice", "", 0,
                      MOST_MEASURES, 0.0),
-            Argument("last", "float", "the last one", "", 0, MOST_MEASURES, 0.0),
+            Argument("last", "float", "the last measure", "", 0, MOST_MEASURES, 0.0),
         ),
-        "Measures of the score, all its sections written once one after the other, come again and again.", "operator",
+        "Repeats measures of the score, counted with each section written once, in order.", "operator",
     ),
     Control(
         "/dance/improvise", events.Improvise,
-        (Argument("on", "bool", "1: dancers choose their steps, 0: they dance what the score has"), GROUP),
-        "Groups improvise from their next free measure on, or come back to the score.", "musician",
+        (Argument("on", "bool", "1: dancers choose their steps, 0: they dance the score"), GROUP),
+        "Groups improvise from their next free measure on, or return to the score.", "musician",
     ),
     Control(
         "/dance/signal", events.Signal,
         (
             Argument("name", "name", "the signal's name"),
-            Argument("value", "float", "how strong it is", "", 0, 1, 1.0),
+            Argument("value", "float", "its strength", "", 0, 1, 1.0),
         ),
-        "Something has happened in the music: what the patch has for it in `[[react]]` happens.", "musician",
+        "A musical signal; triggers the patch's `[[react]]` entries for it.", "musician",
     ),
 )  # fmt: skip
-"""Sections, practice and signals."""
+"""The controls of sections, practice and signals."""

@@ -1,7 +1,4 @@
-"""What is asked over a port, by its sender and for it: values, subscriptions.
-
-The machines of a show.
-"""
+"""Queries and subscriptions of a sender, and controls of the machines of a show."""
 
 from typing import Final
 
@@ -21,38 +18,38 @@ def _unsubscribe(*, time: float, source: str, port: float) -> Request:
     return Request("unsubscribe", port=round(port))
 
 
-_PORT: Final = Argument("port", "float", "where you hear OSC; 0: at the port that you send from", "", 0, 65535, 0.0)
+_PORT: Final = Argument("port", "float", "your receiving port; 0: the port that you send from", "", 0, 65535, 0.0)
 
 ASKING_CONTROLS: Final = (
     Control(
         "/dance/get", _get,
-        (Argument("address", "text", "a control with a present value, a figure under /dance/status, or a pattern"),),
-        "Answers with the message that would set it to what it is now, to the sender only.", "audience",
+        (Argument("address", "text", "a control with a current value, a figure under /dance/status, or a pattern"),),
+        "Answers with the message that would set the current value, to the sender only.", "audience",
     ),
     Control(
         "/dance/subscribe", _subscribe,
         (
             Argument("address", "text", "all values at and under this address", default="/dance"),
-            Argument("seconds", "float", "how long; say it again before", "s", 1, 3600, 60.0),
+            Argument("seconds", "float", "duration; renew it in time", "s", 1, 3600, 60.0),
             _PORT,
         ),
-        "Sends you the present values, and then each that changes, unless you set it.", "musician",
+        "Sends you the current values, and then each that changes, unless you set it.", "musician",
     ),
-    Control("/dance/unsubscribe", _unsubscribe, (_PORT,), "Ends that.", "musician"),
+    Control("/dance/unsubscribe", _unsubscribe, (_PORT,), "Ends the subscription.", "musician"),
 )  # fmt: skip
-"""What answers with values; `/dance/ping` is among those of the clock."""
+"""Queries and subscriptions; `/dance/ping` is in `clock_controls`."""
 
 
 MACHINE_CONTROLS: Final = (
     Control(
         "/dance/takeover", TakeOver, (),
-        "To a machine that stands by (`live play --standby`): it leads from now on, and the old leader goes dark.",
+        "For a standby machine (`live play --standby`): it becomes the leader, and the old leader goes dark.",
         "operator",
     ),
     Control(
         "/dance/breaker/reset", ResetBreaker,
-        (Argument("name", "name", "which, as the overlay and the status name it; left out: all", default=""),),
-        "Puts a stage of the show that is out of service, because it failed again and again, into service again.",
+        (Argument("name", "name", "its name in the overlay and the status; left out: all", default=""),),
+        "Re-enables a stage of the show that was disabled because it failed repeatedly.",
         "operator",
     ),
 )  # fmt: skip

@@ -1,1 +1,1 @@
-"""The operator's page and its server. It may import what `control` may."""
+"""Operator's web page and its server. It may import what `control` may."""

@@ -1,8 +1,8 @@
-"""Announcement: how other programs in the network find OSCQuery and OSC here (mDNS, by zeroconf).
+"""mDNS announcement of OSCQuery and OSC, by zeroconf.
 
-A server at one address is announced there and nowhere else: zeroconf alone would listen at the wildcard address, so
-that other networks of the machine reached it, whatever `interfaces` says. Here it gets sockets of that address and of
-the multicast group.
+A server at one address is announced there only. By default zeroconf listens on the wildcard address regardless of
+`interfaces`, so that the machine's other networks reach it. Here it gets sockets bound to that address and to the
+multicast group.
 """
 
 import asyncio
@@ -20,26 +20,27 @@ GROUP: Final = {4: "224.0.0.251", 6: "ff02::fb"}
 HOPS: Final = 255
 IP_MULTICAST_ALL: Final = 49
 IPV6_MULTICAST_ALL: Final = 29
-"""Linux: without them a socket of a group hears it on the interfaces that any other program has joined it on."""
+"""Linux: when enabled (the default), a socket receives groups on all interfaces that any program has joined."""
 ANYWHERE: Final = ("0.0.0.0", "::")
 
 
 def service_host(port: int) -> str:
-    """The name that the announced services have their address by."""
+    """Return the host name of the announced services."""
     return f"live-{port}.local"
 
 
 class Announcement:
-    """Of one server. Thread: the loop's."""
+    """Announcement of one server. Thread: the loop's."""
 
     def __init__(self, name: str, http: tuple[str, int], osc_port: int) -> None:
-        """`http`: where it is served; "0.0.0.0" is announced in all networks, an address in its own."""
+        """`http`: the server's address; "0.0.0.0" is announced in all networks, another address in its own."""
         self._name = "".join(c for c in name if c.isalnum() or c in " -_")[:40].strip() or "Live"
         self._http, self._osc_port = http, osc_port
         self._zeroconf: AsyncZeroconf | None = None
 
     async def begin(self) -> str:
-        """Be found; what is in the way in words (no multicast, another program): HTTP is there all the same."""
+        """Announce the services; return a description of a failure (no multicast, another program). HTTP
+        works anyway."""
         try:
             from zeroconf.asyncio import AsyncServiceInfo
 
@@ -54,13 +55,13 @@ class Announcement:
             ]
             register = self._zeroconf.async_register_service
             await asyncio.gather(*(register(info, allow_name_change=True) for info in found))
-        except Exception as error:  # whatever a network does
+        except Exception as error:  # any network error
             await self.end()
-            return f"not to be found by zeroconf: {type(error).__name__}: {error}"
+            return f"not announced by zeroconf: {type(error).__name__}: {error}"
         return ""
 
     async def end(self) -> None:
-        """Be found no more."""
+        """Withdraw the announcement."""
         if self._zeroconf is not None:
             with contextlib.suppress(Exception):
                 await self._zeroconf.async_unregister_all_services()
@@ -69,7 +70,7 @@ class Announcement:
 
 
 def _zeroconf(host: str) -> "AsyncZeroconf":
-    """zeroconf in all networks, or in that of an address alone."""
+    """Return zeroconf for all networks, or only for the network of an address."""
     from zeroconf import InterfaceChoice, Zeroconf
     from zeroconf.asyncio import AsyncZeroconf
 
@@ -77,7 +78,7 @@ def _zeroconf(host: str) -> "AsyncZeroconf":
         return AsyncZeroconf(interfaces=InterfaceChoice.All)
 
     class AtOneAddress(Zeroconf):
-        """Made as for unicast, which is bound to the address alone; then it gets sockets for multicast there."""
+        """A unicast instance, which is bound to the address alone, with multicast sockets added."""
 
         def start(self) -> None:
             engine: Any = self.engine
@@ -92,13 +93,13 @@ def _zeroconf(host: str) -> "AsyncZeroconf":
 
 
 def sockets_at(address: str) -> tuple[socket.socket, socket.socket]:
-    """A socket that hears the multicast group on the interface of `address` alone; and one of `address`, to answer."""
+    """Return a socket that receives the multicast group only on the interface of `address`, and a sender socket."""
     version = ipaddress.ip_address(address).version
     group = GROUP[version]
     if version == 4:
         listening, sender = _reused(socket.AF_INET), _reused(socket.AF_INET)
         here = socket.inet_aton(address)
-        with contextlib.suppress(OSError):  # only Linux has it
+        with contextlib.suppress(OSError):  # Linux only
             listening.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
         listening.bind((group, PORT))
         listening.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + here)
@@ -122,7 +123,7 @@ def sockets_at(address: str) -> tuple[socket.socket, socket.socket]:
 
 
 def _reused(family: socket.AddressFamily) -> socket.socket:
-    """A datagram socket beside those of other mDNS programs at the same port."""
+    """Return a datagram socket that shares its port with other mDNS programs."""
     made = socket.socket(family, socket.SOCK_DGRAM)
     made.setblocking(False)
     made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -134,7 +135,7 @@ def _reused(family: socket.AddressFamily) -> socket.socket:
 
 
 def _interface_of(address: str) -> int:
-    """The number of the interface that has this IPv6 address."""
+    """Return the index of the interface with this IPv6 address."""
     import ifaddr
 
     wanted = ipaddress.ip_address(address)

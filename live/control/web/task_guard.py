@@ -1,4 +1,4 @@
-"""Tasks of a server's loop: an exception in one is counted and the task begun again; it never ends the server."""
+"""Fault isolation of asyncio tasks and callbacks: exceptions are counted and tasks restarted; the server continues."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -7,7 +7,7 @@ from live.base.fault_isolation import FAULTS, FIRST_PAUSE, LONGEST_PAUSE
 
 
 def keep_task(name: str, work: Callable[[], Awaitable[None]]) -> "asyncio.Task[None]":
-    """A task that does `work` until it returns or is cancelled; where it ends in an exception it is begun again."""
+    """Run `work` as a task until it returns or is cancelled; it is restarted after an exception."""
     return asyncio.get_running_loop().create_task(_keep(name, work), name=name)
 
 
@@ -24,7 +24,7 @@ async def _keep(name: str, work: Callable[[], Awaitable[None]]) -> None:
 
 
 def guarded(name: str, act: Callable[[], None]) -> Callable[[], None]:
-    """A callback of the loop whose exceptions are counted and go no further."""
+    """Return a callback for the loop whose exceptions are counted and suppressed."""
 
     def call() -> None:
         try:

@@ -1,14 +1,13 @@
-"""The process of the operator's page: HTTP for the page, a WebSocket for values both ways.
+"""Web server process of the operator's page: HTTP for the page, a WebSocket for values in both directions.
 
-The page is made of the registry (`Surface`). What is moved there goes to the show's own OSC port, as from any other
-program, so that it is checked, ranked, counted and written to the journal there. The page itself says nothing about
-the show. Everything else needs the key, in a header that no page of another site can send: `Authorization: Bearer KEY`,
-or where a browser opens the WebSocket, the subprotocols `live.operator, live.key.KEY`.
+The page is generated from the registry (`Surface`). Its changes are sent to the show's own OSC port, as from any other
+program, where they are checked, ranked, counted and journalled. The page itself contains no data of the show. All other
+requests need the key in a header that no other site's page can send: `Authorization: Bearer KEY`, or, for a browser's
+WebSocket, the subprotocols `live.operator, live.key.KEY`.
 
-What every HTTP server of a show has in common: the names that it may be asked by, how long it waits, for how many.
-
-A browser sends the name that it was led by (`Host`) and the page that asks (`Origin`). A name of somebody else's that
-leads here (DNS rebinding), and a page of another site (cross-site requests), are known by these.
+The module also has the protections that all HTTP servers of a show share: accepted host names, time-outs and connection
+limits. A browser sends the requested name (`Host`) and the requesting page (`Origin`); these reveal foreign names that
+resolve to this machine (DNS rebinding) and pages of other sites (cross-site requests).
 """
 
 import asyncio
@@ -41,28 +40,28 @@ from live.control.registry.rejections import Rejection
 from live.control.web.task_guard import keep_task
 
 REQUEST_WITHIN: Final = 5.0
-"""A request has come whole and its answer has gone so soon [s] after the connection was made, or after the answer to
-the one before; else the connection is closed."""
+"""Time limit [s] for a whole request and its answer, from the connection or the previous answer; then it is closed."""
 MOST_WAITING: Final = 384
-"""Connections that are no open WebSocket; with one more, one is closed."""
+"""Maximum connections other than open WebSockets; one more closes another."""
 MOST_OF_ONE: Final = 128
-"""The same of one address (of one /64 of IPv6)."""
+"""The same for one address (for one /64 of IPv6)."""
 AT_ONCE: Final = 16
-"""Connections that are accepted in one turn of the loop: so few that whoever asks at once has been read, some turns
-later, before MOST_OF_ONE others have come."""
+"""Connections accepted in one turn of the loop. It is small so that a prompt request is read before MOST_OF_ONE others
+arrive.
+"""
 BACKLOG: Final = 1024
-"""Connections that the system keeps until they are accepted."""
+"""Connections that the system queues until they are accepted."""
 HEARTBEAT: Final = 4.0
-"""Seconds between two pings to an open WebSocket; who does not answer within half of it is left."""
+"""Seconds between pings to an open WebSocket; a client that does not answer within half of it is dropped."""
 FREE_FAILURES: Final = 10
 FAILURES_PER_SECOND: Final = 0.5
-"""Wrong keys of one address that are answered at once: so many, and then so many more a second."""
+"""Wrong keys of one address answered at once: an initial number, then this rate per second."""
 HELD: Final = 1.0
-"""All others are answered so much later [s],"""
+"""Further answers are delayed by this time [s],"""
 MOST_HELD: Final = 8
-"""at most so many at a time: beyond them connections are dropped."""
+"""at most this many at a time; further connections are dropped."""
 MOST_GROUPS: Final = 4096
-"""Addresses whose failures are remembered."""
+"""Maximum addresses whose failures are stored."""
 
 SECURITY_HEADERS: Final = {
     "Cache-Control": "no-store",
@@ -73,13 +72,13 @@ SECURITY_HEADERS: Final = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
 }
-"""Of every answer; a page needs `page_headers`."""
+"""Headers of every answer; pages need `page_headers`."""
 
 Answer = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
 
 
 def _of_our_own(record: logging.LogRecord) -> bool:
-    """Whether what went wrong is a fault of this program: what comes from a network is answered, not written down."""
+    """Whether an error is a fault of this program; network errors are answered, not logged."""
     return record.exc_info is None or not isinstance(record.exc_info[1], HttpProcessingError | ConnectionError)
 
 
@@ -89,9 +88,9 @@ _LOGGER.addFilter(_of_our_own)
 
 @functools.lru_cache(maxsize=16)
 def page_headers(html: str, host: str) -> dict[str, str]:
-    """The headers of a page of one file: its own scripts and styles run, no others, and it asks this server alone.
+    """Return the headers of a one-file page: it runs only its own scripts and styles and connects only to this server.
 
-    `host`: an accepted Host; not every browser takes 'self' to mean the WebSocket of the same server, too.
+    `host`: an accepted Host; in some browsers 'self' does not include the same server's WebSocket.
     """
 
     def hashes(tag: str) -> str:
@@ -107,21 +106,21 @@ def page_headers(html: str, host: str) -> dict[str, str]:
     return {**SECURITY_HEADERS, "Content-Security-Policy": policy}
 
 
-# -- by which names --------------------------------------------------------------------------------------------------
+# -- host names ------------------------------------------------------------------------------------------------------
 
 
 @functools.cache
 def mdns_name() -> str:
-    """The name of this machine in its own network."""
+    """Return the name of this machine in its local network."""
     return socket.gethostname().partition(".")[0].casefold() + ".local"
 
 
 @functools.lru_cache(maxsize=64)
 def accepted_hosts(address: str, port: int, names: tuple[str, ...] = ()) -> frozenset[str]:
-    """The Host headers that a server accepts on a connection that was made to its `address` and `port`.
+    """Return the Host headers accepted on a connection to the server's `address` and `port`.
 
-    These are the address itself, localhost where it is loopback and else this machine's name in its network, and
-    `names`, each a host or host:port.
+    These are the address itself, localhost if it is loopback or else this machine's local name, and `names`, each a
+    host or host:port.
     """
     ip = ipaddress.ip_address(address.partition("%")[0])
     ip = getattr(ip, "ipv4_mapped", None) or ip
@@ -130,13 +129,14 @@ def accepted_hosts(address: str, port: int, names: tuple[str, ...] = ()) -> froz
     plain = re.compile(r"(\[[^]]*\]|[^:]*)")
     hosts |= {name.casefold() for name in names if plain.fullmatch(name)}
     whole = {name.casefold() for name in names if not plain.fullmatch(name)} | {f"{host}:{port}" for host in hosts}
-    for usual in (80, 443):  # where a browser leaves the port out
+    for usual in (80, 443):  # where browsers omit the port
         whole |= {name.removesuffix(f":{usual}") for name in whole if name.endswith(f":{usual}")}
     return frozenset(whole)
 
 
 def is_own(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
-    """Whether a program asks, or a page of this very server, by one of its names: no page of another site."""
+    """Whether a request comes from a program or this server's own page, under an accepted name; not from
+    another site."""
     hosts, origins = request.headers.getall("Host", []), request.headers.getall("Origin", [])
     at = None if request.transport is None else request.transport.get_extra_info("sockname")
     if at is None or len(hosts) != 1 or len(origins) > 1:
@@ -148,9 +148,9 @@ def is_own(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
 
 
 def is_ours(host: str, link_host: str = "") -> bool:
-    """Whether a Host header names this machine: by number, as localhost or .local, or as its own link does.
+    """Whether a Host header names this machine: by number, as localhost or .local, or as in its own link.
 
-    For the phones' gateway, which has a key of its own; `is_own` is what others ask.
+    For the phones' gateway, which has a key of its own; other servers use `is_own`.
     """
     if len(host) > 255:
         return False
@@ -167,7 +167,7 @@ def is_ours(host: str, link_host: str = "") -> bool:
 
 
 def address_group(address: str) -> str:
-    """The address of one sender: of IPv6 the /64, for a device has as many addresses in it as it wants."""
+    """Return a sender's address; for IPv6 its /64, because a device can use any number of addresses in it."""
     try:
         ip = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
@@ -180,9 +180,9 @@ def address_group(address: str) -> str:
 
 
 class FailedKeys:
-    """Wrong keys are answered more and more slowly; a right one always at once: nobody is locked out. Thread: a loop's.
+    """Rate limit on answers to wrong keys; a right key is always answered at once. Thread: a loop's.
 
-    What keeps a key from being guessed is its length; this keeps guessing slow and cheap.
+    The key's length protects against guessing; this limit keeps guessing slow and cheap to answer.
     """
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -193,18 +193,18 @@ class FailedKeys:
         self.count = 0
 
     def may_answer(self, group: str) -> bool:
-        """Count a wrong key; whether it may be answered at once."""
+        """Count a wrong key; return whether it may be answered at once."""
         now = self._now()
         left, at = self._left.pop(group, (float(FREE_FAILURES), now))
         left = min(left + (now - at) * FAILURES_PER_SECOND, float(FREE_FAILURES))
         self._left[group] = (max(left - 1.0, 0.0), now)
         if len(self._left) > MOST_GROUPS:
-            del self._left[next(iter(self._left))]  # who has failed longest ago
+            del self._left[next(iter(self._left))]  # the oldest failure
         self.count += 1
         return left >= 1.0
 
     async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
-        """The answer to a request with a wrong key, or with none."""
+        """Answer a request with a wrong key or none."""
         group = address_group(request.remote or "")
         if self.may_answer(group):
             return web.Response(status=401, headers=SECURITY_HEADERS)
@@ -224,33 +224,33 @@ class FailedKeys:
         return response
 
 
-# -- how long, and how many ------------------------------------------------------------------------------------------
+# -- time and connection limits --------------------------------------------------------------------------------------
 
 
 @dataclass(eq=False, slots=True)
 class _Connection:
-    """One connection that is no open WebSocket."""
+    """A connection other than an open WebSocket."""
 
     group: str
     transport: asyncio.Transport
     timer: asyncio.TimerHandle
     asks: bool = False
-    """Whether a whole request has come that is not answered yet."""
+    """Whether a whole request has arrived and is not answered yet."""
 
 
 class BoundedServer(web.Server):
-    """aiohttp's server that waits for nobody longer than REQUEST_WITHIN, and never turns a new connection away.
+    """aiohttp server with a time limit of REQUEST_WITHIN that never refuses a new connection.
 
-    Half-open connections, slow headers, slow bodies and answers that nobody reads are closed. When there are too many,
-    one goes of the address that has the most: one that asks for nothing yet, the oldest. So whoever opens thousands
-    closes only his own, and who asks at once is answered, even from the same address. Thread: a loop's.
+    Half-open connections, slow headers, slow bodies and unread answers are closed. At the connection limit, the address
+    with the most connections loses one: the oldest without a request. Opening thousands of connections therefore closes
+    only one's own, and a prompt request is answered even from the same address. Thread: a loop's.
     """
 
     def __init__(
         self, answer: Answer, *, most: int = MOST_WAITING, most_of_one: int = MOST_OF_ONE,
         within: float = REQUEST_WITHIN,
     ) -> None:  # fmt: skip
-        """`answer`: what is done with a request that has no body; one with a body is refused."""
+        """`answer`: handler of requests without a body; requests with a body are refused."""
         super().__init__(
             self._answered, keepalive_timeout=within, lingering_time=0.0, access_log=None, logger=_LOGGER,
             auto_decompress=False,
@@ -260,10 +260,10 @@ class BoundedServer(web.Server):
         self._waiting: dict[RequestHandler, _Connection] = {}
         self._of_group: dict[str, dict[RequestHandler, None]] = {}
         self.dropped = 0
-        """Connections that were closed because they were late, or too many."""
+        """Connections closed for being late or too many."""
 
     def connection_made(self, handler: RequestHandler, transport: asyncio.Transport) -> None:
-        """One more; maybe another one has to go."""
+        """Add a connection; close another one if there are too many."""
         super().connection_made(handler, transport)
         peer: Any = transport.get_extra_info("peername") or ("",)
         group = address_group(str(peer[0]))
@@ -276,17 +276,17 @@ class BoundedServer(web.Server):
             self._drop_one_of(max(self._of_group, key=lambda each: len(self._of_group[each])))
 
     def connection_lost(self, handler: RequestHandler, exc: BaseException | None = None) -> None:
-        """One less."""
+        """Remove a connection."""
         super().connection_lost(handler, exc)
         self._forget(handler)
 
     def keep(self, request: web.BaseRequest) -> None:
-        """A WebSocket was opened: from now on its own pings say whether somebody is there."""
+        """Stop limiting a connection that became a WebSocket: its pings now show whether the client is there."""
         self._forget(request.protocol)
 
     @property
     def waiting(self) -> int:
-        """Connections that are no open WebSocket."""
+        """Number of connections other than open WebSockets."""
         return len(self._waiting)
 
     def _forget(self, handler: RequestHandler) -> None:
@@ -318,7 +318,7 @@ class BoundedServer(web.Server):
         if connection is not None:
             connection.asks = True
         try:
-            if request.body_exists:  # nothing here reads one
+            if request.body_exists:  # no handler reads a body
                 refused = web.Response(status=413, headers=SECURITY_HEADERS)
                 refused.force_close()
                 return refused
@@ -333,23 +333,23 @@ class BoundedServer(web.Server):
 
 
 async def serve(server: BoundedServer, listening: socket.socket) -> web.ServerRunner:
-    """Begin to accept; whoever is given back is to be cleaned up."""
+    """Start accepting connections; the caller must clean up the returned runner."""
     runner = web.ServerRunner(server, handle_signals=False)
     await runner.setup()
     await web.SockSite(runner, listening, backlog=AT_ONCE).start()
-    listening.listen(BACKLOG)  # the loop has taken its backlog for both
+    listening.listen(BACKLOG)  # asyncio uses its backlog for both purposes
     return runner
 
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 16
 MOST_BYTES: Final = 1024
-"""Of a message from the page."""
+"""Maximum bytes of a message from the page."""
 EVERY: Final = 1 / 20
 PER_SECOND: Final = 200.0
-"""Messages that one page may send; more are refused."""
+"""Messages per second that one page may send; more are refused."""
 BEHIND: Final = 1 << 15
-"""Bytes that a page may not have taken yet; one that is further behind is told the newest values later."""
+"""Maximum unsent bytes of a page; one that is further behind gets the latest values later."""
 SAY_EVERY: Final = 1.0
 PROTOCOL: Final = "live.operator"
 KEY_PROTOCOL: Final = "live.key."
@@ -365,7 +365,7 @@ class Client:
         self.left, self.filled_at = PER_SECOND, 0.0
 
     def may(self, now: float) -> bool:
-        """Whether it may send one message more."""
+        """Whether the page may send another message."""
         self.left = min(self.left + (now - self.filled_at) * PER_SECOND, PER_SECOND)
         self.filled_at = now
         if self.left < 1.0:
@@ -375,10 +375,10 @@ class Client:
 
 
 class WebServer:
-    """Everything of one show's page. Thread: the loop's."""
+    """Server of one show's page. Thread: the loop's."""
 
     def __init__(self, told: Told) -> None:
-        """In a running loop."""
+        """Create the server; a loop must be running."""
         plan = told.plan
         self._told, self._key, self._show = told, str(plan["key"]).encode(), tuple(plan["osc"])
         self._hosts = tuple(str(host) for host in plan["hosts"])
@@ -401,7 +401,7 @@ class WebServer:
         self._failed = FailedKeys(asyncio.get_running_loop().time)
 
     async def run(self) -> None:
-        """Serve until the show has gone."""
+        """Serve until the show ends."""
         runner = await serve(self._server, self._socket)
         asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
         tasks = [keep_task("telling pages", self._stream), keep_task("the page's figures", self._say)]
@@ -412,7 +412,7 @@ class WebServer:
         await runner.cleanup()
 
     def _hear(self) -> None:
-        """New values from the show."""
+        """Handle new values from the show."""
         for changes in self._told.packets():
             self.values.take(changes)
             for client in self._clients:
@@ -421,7 +421,8 @@ class WebServer:
             self._over.set()
 
     async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
-        """The page for everybody who asks here by one of our names; the rest for whoever has the key."""
+        """Answer with the page for requests under an accepted name, and with all else only for requests
+        with the key."""
         if not is_own(request, self._hosts):
             return self._refuse(403)
         if request.path not in ("/", "/surface.json", "/ws"):
@@ -448,7 +449,7 @@ class WebServer:
             offered = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")]
             keys = [each.removeprefix(KEY_PROTOCOL) for each in offered if each.startswith(KEY_PROTOCOL)]
             brought = keys[0] if keys and PROTOCOL in offered else ""
-        # an empty key is none
+        # an empty key never matches
         return bool(self._key) and secrets.compare_digest(brought.encode(errors="replace"), self._key)
 
     async def _open(self, request: web.BaseRequest) -> web.StreamResponse:
@@ -469,16 +470,17 @@ class WebServer:
                 if why:
                     self._refused += 1
                     await ws.send_str(json.dumps({"refused": why}))
-        except (ConnectionError, RuntimeError):  # it has gone meanwhile
+        except (ConnectionError, RuntimeError):  # disconnected meanwhile
             pass
         finally:
             self._clients.discard(client)
         return ws
 
     def _take(self, client: Client, text: str) -> str:
-        """A message {"address": …, "values": […]} goes to the show; why not, in words, or nothing."""
+        """Send a message {"address": …, "values": […]} to the show; return the reason of a refusal, or an
+        empty string."""
         if not client.may(asyncio.get_running_loop().time()):
-            return "too much at once"
+            return "too many messages at once"
         try:
             told = json.loads(text)
             address, values = told["address"], told["values"]
@@ -492,7 +494,7 @@ class WebServer:
         try:
             self._out.sendto(encode(address, tuple(values)), self._show)
         except (OSError, ValueError, OverflowError) as error:
-            return f"the show does not listen: {error}"
+            return f"the show does not receive: {error}"
         self._sent += 1
         return ""
 
@@ -503,17 +505,17 @@ class WebServer:
                 if client.due:
                     try:
                         await self._tell(client)
-                    except (ConnectionError, RuntimeError):  # it has gone
+                    except (ConnectionError, RuntimeError):  # disconnected
                         pass
-                    except Exception as error:  # one that cannot be told anything is not told anything
+                    except Exception as error:  # drop a client that cannot be updated
                         FAULTS.note("telling one client", error)
                         self._clients.discard(client)
 
     async def _tell(self, client: Client) -> None:
-        """Send what has changed: of a value that groups have each their own the first; of named ones each."""
+        """Send changed values: the first of a value that differs between groups; each of a named one."""
         transport = client.request.transport
         if transport is None or transport.get_write_buffer_size() > BEHIND:
-            return  # who has gone is noticed by pings; nobody else waits for it
+            return  # pings detect clients that are gone; the others do not wait
         due, client.due = client.due, {}
         told: dict[str, list[Plain]] = {}
         for address in due:

@@ -1,1 +1,1 @@
-"""What each dancer does now: measure, pose, correction, variation. It may import what `show` may."""
+"""State of each dancer: measure, pose, root correction and variation. It may import what `show` may."""

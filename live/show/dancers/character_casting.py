@@ -1,4 +1,4 @@
-"""The characters of a patch: where their files are, whether they can be drawn, and which dancers wear them."""
+"""The characters of a patch: their files, a check that they can be drawn, and the body of each dancer."""
 
 import contextlib
 from pathlib import Path
@@ -16,7 +16,8 @@ _CHARACTERS_SEED = 29
 
 
 def files_of(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
-    """The patch's characters with their files; `path` is the patch's own. PersonError for a file that is not there."""
+    """Return the patch's characters with their files; `path` is the patch's own. Raises PersonError for missing
+    files."""
     return tuple(_file_of(section, number, path) for number, section in enumerate(patch.character))
 
 
@@ -24,9 +25,9 @@ def _file_of(section: CharacterSection, number: int, path: Path) -> CharacterFil
     place = ("character", number, "file")
     found = find_beside(section.file, path)
     if found is None or not found.is_file():
-        raise PersonError(f"there is no file {section.file!r}", f"put it beside {path.name}", place)
+        raise PersonError(f"there is no file {section.file!r}", f"put it next to {path.name}", place)
     if Path(section.file).is_absolute() or not found.resolve().is_relative_to(path.parent.resolve()):
-        raise PersonError(f"{section.file!r} lies outside of {path.parent}", "copy it into the patch's folder", place)
+        raise PersonError(f"{section.file!r} is outside of {path.parent}", "copy it into the patch's folder", place)
     materials = tuple(
         (name, Worn(changed.colour, changed.sheen, changed.hidden)) for name, changed in section.materials.items()
     )
@@ -34,10 +35,10 @@ def _file_of(section: CharacterSection, number: int, path: Path) -> CharacterFil
 
 
 def check_characters(patch: Patch, path: Path) -> None:
-    """Read all characters of a patch; PersonError, with its place, for one that cannot be drawn."""
+    """Read all characters of a patch. Raises PersonError, with its place, for one that cannot be drawn."""
     if not patch.character:
         return
-    from live.render.characters.character import load_character  # images and their decoders
+    from live.render.characters.character import load_character  # late, as it loads image decoders
 
     for number, said in enumerate(files_of(patch, path)):
         try:
@@ -47,7 +48,7 @@ def check_characters(patch: Patch, path: Path) -> None:
 
 
 def drawable(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
-    """The characters of a patch that can be drawn now: whoever goes on with a show takes what there is."""
+    """Return the characters of a patch that can be drawn now. Others are skipped, so that a show can be resumed."""
     if not patch.character:
         return ()
     from live.render.characters.character import load_character
@@ -62,8 +63,11 @@ def drawable(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
 
 
 def bodies_of(patch: Patch) -> tuple[str, ...]:
-    """The body of each dancer, drawn from the bodies or characters of the group in which she begins, then of those in
-    reserve, drawn from everybody's; nothing if all have the usual one."""
+    """Return the body of each dancer, or nothing if all have the usual one.
+
+    Bodies are drawn from the bodies or characters of the dancer's first group. For dancers in reserve, they are drawn
+    from the bodies of all others.
+    """
     if not patch.character and all(group.bodies is None for group in patch.group):
         return ()
     chance = np.random.default_rng([patch.seed, _BODIES_SEED])

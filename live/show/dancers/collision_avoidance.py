@@ -1,9 +1,8 @@
-"""Avoiding: whoever would be met within a moment, by another dancer or by somebody real, leaves her step at once.
+"""Short-term collision avoidance: dancers leave their step to avoid a collision, or are pushed apart.
 
-Everybody is looked at a few times a second; those who would be met go one after the other, so that each sees where the
-others now go, and few in one tick.
-
-Pushing: who would touch within a moment, whatever was planned, is moved away; collisions come before feet.
+All dancers are checked a few times a second. Those with a predicted collision cut to another step one after the other,
+so that each choice considers the earlier ones. As a last resort, dancers about to touch are displaced, even if their
+feet slide.
 """
 
 from collections.abc import Callable
@@ -32,55 +31,55 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 Cut = Callable[[Moment, Int32, MeasureSpan, Timeline], None]
-"""Lets the dancers of a moment go on in other nodes, (n,), from now on."""
+"""Switches the dancers of a moment to other nodes, (n,), from now on."""
 
 AHEAD: Final = (0.4, 0.8)
-"""Seconds ahead at which everybody is looked for: dancers meet dancers at the first of them, and things and real
-performers, of whom no plan knows, at any."""
+"""Prediction times [s]. Collisions between dancers are checked at the first, those with obstacles and performers, which
+no plan includes, at all of them."""
 GLANCE_TICKS: Final = 2
-"""Ticks from one look ahead to the next: everybody is judged at every fourth tick."""
+"""Ticks from one prediction to the next: all dancers are checked at every fourth tick."""
 AT_ONCE: Final = 4
-"""In one tick so many leave their steps at most; whoever would still be met is found again at the next look."""
+"""Most dancers who may leave their step in one tick. Others are found again at the next check."""
 GRAZE: Final = 0.03
-"""Things and real performers may be grazed by so many metres before a dancer leaves her step for them."""
+"""Overlap with obstacles and performers [m] that is tolerated before a dancer leaves the step."""
 SLACK: Final = 0.2
-"""Dancers whose bodies would meet by less than this [m] are carried and pushed apart, which costs them no step."""
+"""Overlap of two dancers [m] that root correction and pushing resolve without a change of step."""
 WAY_OUT: Final = 8
-"""Quarters of a beat over which a way out is judged."""
+"""Quarters of a beat over which an escape path is judged."""
 NEAR: Final = 3.0
-"""Whoever is farther away than this [m] does not matter to it."""
+"""Dancers farther away than this [m] are ignored."""
 MARGIN: Final = 0.15
-"""Room [m] that a way out should leave to everybody; what is missing, at the worst and on the average, is trouble..."""
+"""Clearance that an escape path should keep [m]. The worst and the mean shortfall are added."""
 CLOSE: Final = 6.0
-"""... of which a metre counts as so many metres between bodies."""
+"""Weight of a metre of shortfall, relative to a metre between bodies."""
 WAY: Final = 1.0
-"""A metre between where a way out ends and where the dancer was sent counts as so many metres between bodies."""
+"""Weight of a metre between an escape path's end and the dancer's target, relative to a metre between bodies."""
 GAIN: Final = 0.06
-"""A step is left only if that is worth so many metres of trouble."""
+"""Least reduction of the shortfall [m] for which a dancer leaves the step."""
 
 
 class Avoiding:
-    """The collisions ahead of one show; call `tick` once a tick."""
+    """Predicts collisions and makes dancers leave their steps. `tick` is called once a tick."""
 
     def __init__(
         self, dancers: Dancers, motion: GroupMotion, sent: Callable[[], Float64], cutting: Cutting, cut: Cut
     ) -> None:
-        """`sent` tells where everybody should end the measure, (A, 2) [m]; `cutting` knows where one may go on, `cut`
-        does it."""
+        """`sent` returns the targets of all dancers for the measure's end, (A, 2) [m]; `cutting` finds candidates, and
+        `cut` applies them."""
         count = len(motion.casting.group)
-        self._half_stage = motion.floor.half  # always as it is now
+        self._half_stage = motion.floor.half  # the same array for the whole show
         self._dancers, self._motion, self._sent = dancers, motion, sent
         self._cutting, self._cut = cutting, cut
         self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
         self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))
         self._tick = -1
         self._met: Float64 = np.zeros(count)
-        self._waiting: list[int] = []  # who would be met, those met first at the front
+        self._waiting: list[int] = []  # dancers with a predicted collision, the earliest first
         self.count = 0
-        """How often a dancer has left her step because of a collision."""
+        """Number of times a dancer has left the step because of a collision."""
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Look ahead at every second tick, each time farther; after the last look whoever would be met goes away."""
+        """Predict at every second tick, each time farther ahead; after the last prediction, select who must leave."""
         self._tick = (self._tick + 1) % (GLANCE_TICKS * len(AHEAD))
         k, rest = divmod(self._tick, GLANCE_TICKS)
         if not rest:
@@ -92,15 +91,15 @@ class Avoiding:
             self._leave(row, span, timeline, time)
 
     def _look(self, k: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Where everybody will be at the moment `k` of AHEAD."""
+        """Predict the hips of all dancers at the moment `k` of AHEAD."""
         if k == 0:
             self._ways[0] = self._dancers.shown
-        if k == 0 or self._motion.surroundings.obstacle_count:  # dancers among themselves need no second look
-            ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # all moments are counted from the first look
+        if k == 0 or self._motion.surroundings.obstacle_count:  # only obstacles need later moments
+            ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # counted from the first prediction
             self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
 
     def _judge(self) -> None:
-        """Who must leave her step."""
+        """Queue the dancers who must leave their step."""
         around, model = self._motion.surroundings, self._motion.model
         things, count = around.obstacles, around.obstacle_count
         for n, seconds in enumerate((0.0, *AHEAD) if count else ()):
@@ -113,14 +112,14 @@ class Avoiding:
         )  # fmt: skip
         self._waiting = []
         if self._met.max(initial=0.0) > 0.0:
-            # who was cut is on her way out already; partners stay together, and are carried or pushed out of the way
+            # dancers after a cut are escaping already; partners stay together and are moved by correction or pushing
             rows = np.flatnonzero((self._met > 0.0) & free & ~self._dancers.inertia.settling_now)
             self._waiting = rows[np.argsort(self._met[rows], kind="stable")].tolist()
 
     def _leave(self, row: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Dancer `row` leaves her step for the one that gets her out of the way, if that is worth it."""
+        """Cut dancer `row` to the step with the best escape path, if it improves the clearance enough."""
         if self._dancers.inertia.age[row] < LONGEST or self._motion.entrances.state[row] != ON:
-            return  # since it was her turn to wait, something else has happened to her
+            return  # changed while queued
         apart = np.hypot(*(self._ways[0] - self._ways[0, row]).T)
         near = self._motion.present & (apart < NEAR)
         near[row] = False
@@ -129,7 +128,7 @@ class Avoiding:
         others = self._others(row, who, out[:, 1:], timeline.tempo)
         stays = _trouble_of(out[:, :1], others)[0]
         if stays <= GAIN:
-            return  # no way out could be worth it
+            return  # no escape can reduce this by GAIN
         moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
         nodes = self._cutting.candidates()
         trouble = self._trouble(moment, nodes, others)
@@ -143,14 +142,16 @@ class Avoiding:
             self.count += 1
 
     def _out(self, rows: Int64, span: MeasureSpan, timeline: Timeline, time: float) -> Float64:
-        """Where the dancers `rows` (n,) will be in the next quarters of a beat, as things are, (WAY_OUT, n, 2) [m]."""
+        """Predict the dancers `rows` (n,) in the next quarters of a beat without changes, (WAY_OUT, n, 2) [m]."""
         beat = timeline.beat_at(time)
         quarters = np.arange(1, WAY_OUT + 1) / PER_BEAT
         return np.stack([self._dancers.ahead(span.fraction(beat + quarter), rows) for quarter in quarters.tolist()])
 
     def _others(self, row: int, who: Int64, out: Float64, tempo: float) -> Float64:
-        """Where those who are near, `who` (n,), will be by `out` (WAY_OUT, n, 2) [m], and how near to them is too near:
-        x, z, distance [m], (M, WAY_OUT, 3); things are among them."""
+        """Return positions and contact distances of all others near `row`: x, z, distance [m], (M, WAY_OUT, 3).
+
+        The others are the dancers `who` (n,), predicted at `out` (WAY_OUT, n, 2) [m], and the obstacles.
+        """
         model, around = self._motion.model, self._motion.surroundings
         things = around.obstacles[: around.obstacle_count].astype(np.float64)
         seconds = np.arange(1, WAY_OUT + 1)[:, None, None] / PER_BEAT * 60.0 / tempo
@@ -161,7 +162,7 @@ class Avoiding:
         return found.transpose(1, 0, 2)
 
     def _trouble(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
-        """How much room [m] the dancer would lack on her way out through each of `nodes` (C,), (C,)."""
+        """Return the clearance shortfall [m] of an escape through each of `nodes` (C,), (C,)."""
         moments = self._dancers.graph.moments
         now = int(moments.at(moment.phase)[0])
         at = np.minimum(now + np.arange(1, WAY_OUT + 1), moments.hips.shape[1] - 1)
@@ -171,7 +172,7 @@ class Avoiding:
         return _trouble_of(place.transpose(1, 0, 2), others)
 
     def _ends(self, moment: Moment, nodes: Int32) -> Float64:
-        """Where each of `nodes` (C,) would end the measure, (C, 2) [m]."""
+        """Return where the measure would end with each of `nodes` (C,), (C, 2) [m]."""
         moments = self._dancers.graph.moments
         now = int(moments.at(moment.phase)[0])
         turn = moment.facing[0] - moments.facing[nodes, now]
@@ -179,22 +180,22 @@ class Avoiding:
 
 
 def _trouble_of(ways: Float64, others: Float64) -> Float64:
-    """What each of `ways` (WAY_OUT, C, 2) lacks of MARGIN to the `others` (M, WAY_OUT, 3) [m]: at the worst and on the
-    average, added, (C,)."""
+    """Return the shortfall of each of `ways` (WAY_OUT, C, 2) from MARGIN to the `others` (M, WAY_OUT, 3) [m]: the sum
+    of the worst and the mean, (C,)."""
     lacks = np.empty(ways.shape[1])
     find_lacks(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
     return lacks
 
 
 PUSH_AHEAD: Final = np.array([0.1, 0.2, 0.3, 0.4])
-"""Who will touch on straight ways from now to where they are in so many seconds is pushed apart: hips swing to and fro
-within a beat, and who is far enough away at its end may have touched before."""
+"""Times of predicted positions [s]. Dancers who would touch on straight lines to them are pushed apart. One time is
+not enough: hips swing within a beat, so a contact may lie in between."""
 PUSH_MARGIN: Final = 0.1
 PUSH_STIFFNESS: Final = 24.0
 
 
 class Pushing:
-    """Moves everything that is planned of those who are pushed."""
+    """Pushes apart dancers who are about to touch, and displaces their measures and paths."""
 
     def __init__(self, carried: Carried, coming: Coming, parting: PathParting) -> None:
         self._carried, self._coming, self._parting = carried, coming, parting
@@ -202,10 +203,10 @@ class Pushing:
         self._soon = np.zeros((len(PUSH_AHEAD), count, 2), np.float32)
         self._fractions = np.zeros(1 + len(PUSH_AHEAD))
         self.count = 0
-        """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
+        """Dancer ticks since the start in which a dancer was pushed to avoid contact, at the cost of foot slide."""
 
     def tick(self, fraction: float, rate: float) -> None:
-        """One tick at `fraction` of the measure, of which `rate` [1/s] passes."""
+        """Advance by one tick at `fraction` of the measure, which advances at `rate` [1/s]."""
         carried, dancers = self._carried, self._carried.dancers
         paths, present, then, later = carried.paths, dancers.present, self._coming.paths, dancers.coming
         self._fractions[:] = fraction
@@ -221,7 +222,7 @@ class Pushing:
             self._move(moved)
 
     def _move(self, moved: Float64) -> None:
-        """Everybody's measures, and all that is known of them, lie elsewhere by `moved` (A, 2) [m]."""
+        """Displace the measures of all dancers, and all state derived from them, by `moved` (A, 2) [m]."""
         carried, coming, dancers = self._carried, self._coming, self._carried.dancers
         carried.motion.partners.move(moved, dancers.shown)
         carried.keep_on_stage(moved, dancers.shown.astype(np.float64), np.maximum(carried.room, np.abs(dancers.shown)))

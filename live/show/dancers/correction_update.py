@@ -1,7 +1,4 @@
-"""Coming: the paths of all dancers through the measure that is decided, traced and kept apart until the line.
-
-ReAiming: within the measure corrections follow what agents stray from the prediction, and keep paths apart.
-"""
+"""Updates of the root corrections: path separation of the next measure, and re-aiming within the present one."""
 
 from typing import Final
 
@@ -31,57 +28,57 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 TRACE_TICKS: Final = 8
-"""Ticks after the decision in which the coming paths are traced."""
+"""Ticks after the decision over which the coming paths are traced."""
 EASE: Final = 0.2
-"""In the first round of parting corrections go so far back to what was decided, so that nobody keeps more of a way out
-than she needs, ..."""
+"""Share by which corrections return to the decided ones in the first round of separation, so that no dancer keeps a
+larger detour than necessary."""
 EASED: Final = 0.9
-"""... and in each round this share of it as in the one before: in the end paths are parted, whatever was decided."""
+"""Factor of that share from round to round: in the end separation prevails over the decision."""
 
 
 class Coming:
-    """What is known of the measure after the present one; at the line it becomes the present one's `Carried`."""
+    """Correction state of the next measure. At the line it is moved into `Carried`, that of the present one."""
 
     def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
-        """`most` [m]: how far anybody may be carried; 0 and nobody is."""
+        """`most` [m]: largest correction; 0 for none."""
         count = len(carried.node)
         self._carried, self._parting, self.most = carried, parting, most
         self.paths = Paths(count)
         self.end: Float64 = np.zeros((count, 2))
-        """Where it ends if it is not corrected [m], (A, 2)."""
+        """End of the measure without correction [m], (A, 2)."""
         self.target, self.wish = np.zeros((2, count, 2))
-        """Where dancers are sent, and where their agents are predicted to be [m], (A, 2) each."""
+        """Targets within the steps' reach, and predicted agents [m], (A, 2) each."""
         self.room: Float64 = carried.room.copy()
-        """As in `Carried`, of the coming measure."""
+        """As in `Carried`, for the coming measure."""
         self._traced = 0
         self.fresh = False
         """Whether this is the tick of the decision."""
         self._goal, self._plan = np.zeros((2, count, 2))
         self._ease = 0.0
-        """How far corrections go back, in the next round of parting, to what was decided of them, `_plan` (A, 2)."""
+        """Share by which corrections return to the decided ones, `_plan` (A, 2), in the next round of separation."""
 
     @property
     def traced(self) -> bool:
-        """Whether all paths are known."""
+        """Whether all paths are traced."""
         return self._traced >= len(self.end)
 
     def decided(self, begin: Float64, target: Float64, wish: Float64) -> None:
-        """The measure is chosen, and begins at `begin` (A, 2) [m]; see the attributes."""
+        """Accept the chosen measure, which begins at `begin` (A, 2) [m]; other parameters as the attributes."""
         self.target[:], self.wish[:] = target, wish
         self.room[:] = np.maximum(self._carried.motion.floor.half, np.abs(begin))
         self._traced, self.fresh = 0, True
 
     def put_elsewhere(self, who: Int64) -> None:
-        """The dancers `who` (n,) were put into other present measures: their coming ones begin elsewhere."""
+        """Update the dancers `who` (n,) whose present measures were replaced: their coming ones begin elsewhere."""
         self._plan[who] = self._carried.dancers.coming.correction[who, :2]
         for some in runs(who[who < self._traced]):
             trace(self.paths, self._carried.dancers, self._carried.dancers.coming, some)
 
     def tick(self, *, part: bool) -> None:
-        """Trace the paths piece by piece; then, where it is time to `part`, keep them apart, a round in each tick."""
+        """Trace a piece of the paths; once all are traced, run a round of separation if `part` is true."""
         carried, dancers, count = self._carried, self._carried.dancers, len(self.end)
         coming = dancers.coming
-        if self.fresh:  # the tick of the decision has enough to do
+        if self.fresh:  # limits the load of the tick of the decision
             self.fresh = False
             return
         if self._traced < count:
@@ -105,7 +102,7 @@ class Coming:
         coming.correction[:, :2] = goal
 
     def cross_measure_line(self) -> None:
-        """What was coming is the present one now; paths change places."""
+        """Make the coming measure the present one. The path arrays are swapped."""
         carried = self._carried
         carried.asked[:], carried.foreseen[:], carried.room[:] = self.target, self.wish, self.room
         if self.traced:
@@ -115,26 +112,26 @@ class Coming:
 
 
 FAITHFUL: Final = 0.4
-"""Share of what legs give that a faithful dancer (obedience 0) is carried beyond her step at most."""
+"""Largest correction at obedience 0, as a share of the legs' reach margin."""
 DEAF: Final = 0.08
-"""An agent who strays from her dancer's plan by less than this [m] re-aims nothing."""
+"""Dead zone [m]: a smaller deviation of an agent from the dancer's plan causes no re-aiming."""
 GO_BACK: Final = 0.03
-"""In each tick dancers give up this share of the way by which they dodge others; who is not past them yet is led there
-anew in the same tick. So, when they are, they come back to where they were sent."""
+"""Decay of detours per tick. Separation restores a detour that is still needed in the same tick, so dancers return to
+their targets once they have passed each other."""
 AIM_RATE: Final = 14.0
-"""How fast a correction follows what it is re-aimed to [1/s], critically damped."""
+"""Rate at which a correction follows its goal, critically damped [1/s]."""
 
 
 class ReAiming:
-    """Changes what is carried of a measure that is danced already."""
+    """Recomputes the corrections within the present measure."""
 
     def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
-        """`most` [m]: how far anybody may be carried."""
+        """`most` [m]: largest correction."""
         self._carried, self._parting, self.most = carried, parting, most
         self._phase = np.zeros(len(carried.node))
 
     def tick(self, fraction: float, *, aim: bool) -> None:
-        """One tick at `fraction` of the measure; goals are looked for anew only where it is time to `aim`."""
+        """Advance by one tick at `fraction` of the measure; recompute the goals only if `aim` is true."""
         carried, dancers = self._carried, self._carried.dancers
         if dancers.decided:
             return
@@ -148,7 +145,7 @@ class ReAiming:
         )  # fmt: skip
 
     def _aim_anew(self, fraction: float) -> None:
-        """What corrections shall lead to now: as decided, or as far as agents strayed, or as others leave room."""
+        """Recompute the corrections' goals from the decided ones, the agents' deviations and path separation."""
         carried, dancers, rows = self._carried, self._carried.dancers, self._carried.rows
         present, graph, variation = dancers.present, dancers.graph, dancers.variation
         if variation.obeys:

@@ -1,4 +1,4 @@
-"""Dancing: which measure each dancer is in, and which samples of which clips are asked for at any moment of it."""
+"""The past, present and next measure of the dancers, and the clip samples that they need at any moment."""
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ Rows = npt.NDArray[np.int64]
 
 
 class Dancing:
-    """The measures of A dancers: the one before, the present and the next one."""
+    """The past, the present and the next measure of A dancers."""
 
     def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
         self.graph = graph
@@ -28,14 +28,14 @@ class Dancing:
         self._phase = np.zeros(dancer_count)
 
     def take_graph(self, graph: MotionGraph) -> None:
-        """Go on in a graph in which all nodes of the old one keep their indices."""
+        """Switch to a graph in which all nodes of the old one keep their indices."""
         self.graph = graph
         for danced in (self.past, self.present, self.coming):
             danced.graph = graph
 
     @property
     def node(self) -> Int32:
-        """Node danced now, shape (A,)."""
+        """Present node of each dancer, shape (A,)."""
         return self.present.node
 
     @property
@@ -44,22 +44,22 @@ class Dancing:
         return self.coming.decided
 
     def cross_measure_line(self) -> None:
-        """The next measure becomes the present one, the present one the past: they change places, nothing is copied."""
+        """Rotate the measures: the next becomes the present one, the present the past one. Nothing is copied."""
         self.past, self.present, self.coming = self.present, self.coming, self.past
         self.coming.undecide()
 
     def measures(self) -> tuple[Danced, Danced, Danced]:
-        """The measure before, the present and the next one: what the rows of `whose` mean."""
+        """The past, the present and the next measure, indexed by the first result of `whose`."""
         return self.past, self.present, self.coming
 
     def whose(self, fraction: float) -> tuple[Int32, Float64]:
-        """Which of `measures` each dancer is in, (A,), and how far she is in it, (A,)."""
+        """Index in `measures` of each dancer's measure, (A,), and the phase in it, (A,)."""
         phase = self.phases(fraction)
         which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
         return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
 
     def hips(self, fraction: float) -> Float32:
-        """Where the hips of each dancer are at the share `fraction` of the measure [m], float32, shape (A, 2)."""
+        """Hips of each dancer at `fraction` of the measure [m], float32, shape (A, 2)."""
         library, danced = self.graph.library, self.present
         first = library.node_first[danced.node]
         sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
@@ -69,8 +69,8 @@ class Dancing:
         return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
 
     def ahead(self, fraction: float, rows: Rows | None = None) -> Float64:
-        """Where the clips take hips at `fraction` of the measure [m], time warps and transitions in: of all dancers,
-        (A, 2), or of those in `rows` (n,) alone, (n, 2)."""
+        """Hips at `fraction` of the measure as the clips have them [m], time warps and transitions included: of all
+        dancers, (A, 2), or of `rows` (n,), (n, 2)."""
         self._ask(fraction, rows)
         rows = self._everybody if rows is None else rows
         pipeline, out = self._pipeline, np.empty((len(rows), 2))
@@ -78,20 +78,20 @@ class Dancing:
         return out
 
     def contact(self, fraction: float) -> Bool:
-        """Whether the left and right foot are annotated as on the floor in the clips that are danced, shape (A, 2).
+        """Whether the left and right foot are annotated as on the floor in the present clips, shape (A, 2).
 
-        While two clips are blended a foot counts only if both have it on the floor.
+        During a blend, a foot counts only if both clips have it on the floor.
         """
         self._ask(fraction)
         out = np.empty((len(self._everybody), 2), np.bool_)
         standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
         return out
 
-    # -- the question asked of the pose pipeline ---------------------------------------------------------------
+    # -- sample requests to the pose pipeline ------------------------------------------------------------------
 
     def _ask(self, fraction: float, rows: Rows | None = None) -> None:
-        """Which samples of which clips, where, how much of each, at `fraction` of the measure: for everybody, or for
-        the dancers `rows` (n,) alone."""
+        """Fill the pose pipeline's requests (samples, placements, weights) at `fraction` of the measure, for all
+        dancers or for `rows` (n,)."""
         present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
         lowest, highest = self.variation.phases(phase, fraction, present.warp, rows)
         rows = self._everybody if rows is None else rows
@@ -107,7 +107,7 @@ class Dancing:
             self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0)
 
     def phases(self, fraction: float) -> Float64:
-        """How far each dancer is in the present measure, below 0 in the one before, above 1 in the next one, (A,)."""
+        """Phase of each dancer in the present measure: below 0 in the one before, above 1 in the next one, (A,)."""
         phase = np.empty(len(self._everybody))
         self.variation.phases(phase, fraction, self.present.warp)
         return phase
@@ -115,7 +115,7 @@ class Dancing:
     def _fill(
         self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
     ) -> None:
-        """The rows of those dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
+        """Fill the requests of dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
         graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
         library = graph.library
         ask_dancers(

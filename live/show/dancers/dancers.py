@@ -1,4 +1,4 @@
-"""Dancers: the pose of each dancer at any moment of her measure, as the audience sees it."""
+"""The poses of the dancers at any moment of the measure, with all layers from clip blending to partner response."""
 
 import numpy as np
 import numpy.typing as npt
@@ -32,12 +32,12 @@ Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 LANDED = 0.03
-"""While a cut settles, a foot is held only once it is this near to the floor [m], and near to where its clip has it:
-held farther from there, it would soon have to let go and slide."""
+"""While a cut settles, a foot is locked only once it is this near to the floor [m] and near to its place in the clip:
+locked farther away, it would soon be released and slide."""
 
 
 class Dancers(Dancing):
-    """The dancing state of A dancers: their measures, which feet are held, what they wear and whom they answer."""
+    """Motion state of A dancers: measures, foot lock, hand holds, inertialization, texture, capture and partners."""
 
     def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
         super().__init__(graph, variation, dancer_count)
@@ -46,7 +46,7 @@ class Dancers(Dancing):
         self._locked_at = 0.0
         self._aside = PosePipeline(1)
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
-        for name in ("sample", "placement", "share"):  # one question, asked of the legs alone at every tick
+        for name in ("sample", "placement", "share"):  # the legs share the whole body's requests
             setattr(self._legs, name, getattr(self._pipeline, name))
         self.inertia = Inertia(dancer_count, JOINT_COUNT)
         for pipeline in (self._pipeline, self._legs):
@@ -54,20 +54,20 @@ class Dancers(Dancing):
         self.landing = Landing(dancer_count)
         self._legs.watched = LEG_JOINTS
         self.texturing = Texturing(TextureBank.empty(), variation, dancer_count, seed=0, beats=1)
-        """What upper bodies are textured with (P024)."""
+        """Texture of the upper bodies (P024)."""
         self.captured: dict[str, Captured] = {}
-        """Performers who are captured live, by their names: some dancers wear their poses."""
+        """Performers captured live, by name: some dancers show their poses."""
         self.beats = 1
         """Beats of a danced measure."""
         self.answering: Answering | None = None
-        """Who answers whom live, None for nobody (H024)."""
+        """Live partner response, None if the patch has none (H024)."""
         self._settled = np.full(dancer_count, LONGEST, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
         self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
-        """Where the hips of each dancer were at the last tick [m], shape (A, 2): what the audience sees."""
+        """Hips of each dancer at the last tick, as drawn [m], shape (A, 2)."""
 
     def start(self, node: Int32, position: Float64, heading: Float64) -> None:
-        """Put every dancer at the beginning of a node: hips at `position` (A, 2) [m], body facing `heading` (A,)."""
+        """Put each dancer at the beginning of `node` (A,), with hips at `position` (A, 2) [m] and `heading` (A,)."""
         danced = self.present
         danced.node[:] = node
         danced.placement[:] = begun(self.graph, node, position, heading)
@@ -78,7 +78,8 @@ class Dancers(Dancing):
         self.shown[:] = position
 
     def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
-        """Put dancers `rows` (n,), whom nobody sees, at `position` (n, 2) [m]: there they begin the present measure."""
+        """Put the invisible dancers `rows` (n,) at `position` (n, 2) [m] and `heading` (n,), where their present
+        measure begins."""
         danced = self.present
         danced.placement[rows] = begun(self.graph, danced.node[rows], position, heading)
         danced.correction[rows] = danced.aimed[rows] = 0.0
@@ -88,17 +89,17 @@ class Dancers(Dancing):
         self.shown[rows] = position
 
     def wearers(self) -> Rows:
-        """Dancers who mostly wear captured poses, (n,)."""
+        """Dancers who mostly show captured poses, (n,)."""
         worn = [each.rows[each.share > 0.5] for each in self.captured.values()]
         return np.concatenate(worn) if worn else np.zeros(0, np.int64)
 
     @property
     def leg_rotation(self) -> Float32:
-        """How hips and legs of the dancers' own dance were turned at the last tick, in the world, (A, 9, 4)."""
+        """World rotations of hips and legs at the last tick, without capture and partner response, (A, 9, 4)."""
         return self._legs.rotation
 
     def tick(self, fraction: float, time: float, dt: float) -> None:
-        """Follow the feet to the tick at `time` [s], `dt` [s] after the last one (foot lock)."""
+        """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
         self.inertia.place(time)
         contact = self.contact(fraction)
         hold_where_wanted(contact, self.variation.lock)
@@ -113,16 +114,15 @@ class Dancers(Dancing):
         self._locked_at = time
 
     def pose(self, fraction: float, time: float, out: tuple[Float32, Float32] | None = None) -> tuple[Float32, Float32]:
-        """World positions (A, J, 3) and rotations (A, J, 4) when the share `fraction` of the measure has passed.
+        """Return world positions (A, J, 3) and rotations (A, J, 4) at `fraction` of the measure.
 
-        `time` [s] is at most a tick after the last one. Fills `out` if given, else the dancers' own arrays; returns
-        what it filled.
+        `time` [s] is at most a tick after the last one. Fills and returns `out` if given, else the dancers' own arrays.
         """
         self._ask(fraction)
         self.inertia.place(time)
         pipeline, variation = self._pipeline, self.variation
         pipeline.head[:] = variation.head
-        pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # once let go, feet still have to swing back
+        pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # released feet still have to swing back
         if pipeline.lock:
             self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
             clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
@@ -141,9 +141,11 @@ class Dancers(Dancing):
         return position, rotation
 
     def answer(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
-        """A tick of those who answer others, after `tick`; see `Answering.tick`. By how much each dancer is to be taken
-        elsewhere [m], (A, 2)."""
-        assert self.answering is not None  # whoever calls has looked
+        """Advance the partner response by a tick, after `tick`; see `Answering.tick`.
+
+        Returns the displacement of each dancer [m], (A, 2).
+        """
+        assert self.answering is not None  # callers check
         phase = self.phases(fraction)
         faces = np.ascontiguousarray(self._legs.rotation[:, 0])
         self.answering.live[:] = False
@@ -153,8 +155,8 @@ class Dancers(Dancing):
         return self.answering.along.moved
 
     def seen(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
-        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as the audience sees them, but
-        for heads that are turned and feet that are held."""
+        """Return world positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as drawn, but without
+        head turns and foot lock."""
         position, rotation = self.unmended(rows, fraction, time)
         phase = self.phases(fraction)
         self.texturing.dress(phase, position, rotation, rows)
@@ -172,7 +174,7 @@ class Dancers(Dancing):
         return position, rotation
 
     def _landed(self, position: Float32) -> Bool:
-        """Which feet, of legs at `position` (A, 9, 3) [m], have come where the clips alone would have them, (A, 2)."""
+        """Return which feet of legs at `position` (A, 9, 3) [m] have reached their places in the clips, (A, 2)."""
         low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
         settling = np.flatnonzero(self.inertia.settling_now).tolist()
         self._legs.age = self._settled
@@ -182,11 +184,11 @@ class Dancers(Dancing):
         return np.asarray(low & self.landing.near(np.hypot(away[..., 0], away[..., 2])))
 
     def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
-        """World positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before heads are
-        turned and feet held: what a cut must not break."""
+        """Return world positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before
+        head turns, foot lock and later layers. These poses must stay continuous in a cut."""
         self._ask(fraction, rows.astype(np.int64))
         whole = self._pipeline
-        if len(self._aside.age) != len(rows):  # mostly it is one dancer, and often the same ones again
+        if len(self._aside.age) != len(rows):  # kept: often the same count again
             self._aside = PosePipeline(len(rows))
         aside, joints = self._aside, len(whole.skeleton.parents)
         aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]

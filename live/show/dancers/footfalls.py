@@ -1,4 +1,4 @@
-"""Footfalls: when, where and how hard the dancers' feet come down, found in what they dance (T130)."""
+"""Footfall detection: time, place and strength of the dancers' footfalls, for sound (T130)."""
 
 import math
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ Bool = npt.NDArray[np.bool_]
 BALL: Final = 0
 HEEL: Final = 1
 FLAT: Final = 2
-"""Which part of a shoe strikes; FLAT: both at once, a stamp."""
+"""The part of a shoe that strikes; FLAT: both at once, a stamp."""
 
 _ANKLES: Final = np.array([SKELETON.index(f"{side}Foot") for side in ("left", "right")])
 _TOES: Final = np.array([SKELETON.index(f"{side}Toes") for side in ("left", "right")])
 FINEST: Final = 1.0 / 240.0
-"""Contacts are looked at this often [s]: a brush of the floor may be shorter than a frame."""
+"""Sampling interval of contacts [s]: a brush of the floor may be shorter than a frame."""
 RAISED: Final = 0.022
-"""A heel (or a ball) this high [m] over a foot that stands will be heard when it comes down ..."""
+"""A heel or ball of a standing foot raised to this height [m] strikes when it comes down ..."""
 DOWN: Final = 0.004
 """... to this height [m]."""
 LANDED: Final = 0.012
-"""A foot of somebody who is captured live stands when its sole is so near to the floor [m], until it is RAISED."""
+"""A foot of a dancer captured live stands once its sole is this near to the floor [m], until it is RAISED."""
 SOFTEST: Final = 0.35
 LOUD_LIFT: Final = 0.12
-"""A foot that comes from this high [m] strikes with all its strength; one that never left, with `SOFTEST`."""
+"""A foot that falls from this height [m] strikes with full strength; one that never left the floor, with SOFTEST."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +53,10 @@ class Footfall:
 
 
 class Footfalls:
-    """Feed it every frame of a show, right after it was filled; it hands out the footfalls since the last one.
+    """Finds the footfalls between frames. `frame` must be called for every frame, right after it was filled.
 
-    A foot strikes when the clips that are danced put it on the floor, at the exact moment however far apart the frames
-    are, and when a heel or a ball comes down on a foot that stands (as the frames show it).
+    A foot strikes when the clips annotate a new contact, at the exact moment whatever the frame rate, and when the heel
+    or ball of a standing foot comes down in the drawn frames.
     """
 
     def __init__(self, show: Show) -> None:
@@ -69,7 +69,7 @@ class Footfalls:
         self._raised: Bool = np.zeros((2, *feet), np.bool_)
 
     def frame(self, view: StageView) -> list[Footfall]:
-        """The footfalls since the last frame, in the order of their times."""
+        """Return the footfalls since the last frame, in order of time."""
         position = view.joint_position
         there = view.present
         heights = np.stack((position[:, _TOES, 1] - TOES_OVER_SOLE, position[:, _ANKLES, 1] - SOLE_BELOW_ANKLE)).astype(
@@ -91,14 +91,14 @@ class Footfalls:
         return self._show.span.fraction(self._show.timeline.beat_at(time))
 
     def _landings(self, before: float, view: StageView, heights: Float64) -> list[Footfall]:
-        """Feet that the clips put on the floor; what fell just before a measure line is heard on it."""
+        """Return the footfalls from contacts in the clips. A fall just before a measure line is reported on it."""
         falls: list[Footfall] = []
         steps = max(1, math.ceil((view.time - before) / FINEST))
         was, seen = self._contact, self._show.dancers.wearers()
         for step in range(1, steps + 1):
             time = before + (view.time - before) * step / steps
             contact = self._show.dancers.contact(self._fraction(float(time)))
-            if len(seen):  # of who is captured live no clip knows, only what is seen
+            if len(seen):  # dancers captured live have no clip annotations
                 low = heights[:, seen].min(axis=0)
                 contact[seen] = np.where(was[seen], low < RAISED, low < LANDED) if step == steps else was[seen]
             for dancer, foot in np.argwhere(contact & ~was):
@@ -112,7 +112,7 @@ class Footfalls:
         return falls
 
     def _drops(self, before: float, view: StageView, heights: Float64) -> list[Footfall]:
-        """Heels and balls that come down on feet that stand."""
+        """Return the footfalls of heels and balls of standing feet."""
         falls: list[Footfall] = []
         down = self._raised & (heights < DOWN) & self._contact
         for part, dancer, foot in np.argwhere(down):

@@ -1,4 +1,4 @@
-"""Tracing: where the hips of dancers will go through a measure, from what is decided of it."""
+"""Prediction of hip paths through a measure that is decided."""
 
 from typing import Final
 
@@ -18,9 +18,11 @@ FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
 
 
 def trace(paths: Paths, dancers: Dancers, danced: Danced, rows: slice) -> None:
-    """Fill the `paths` of dancers `rows` through the measure `danced`, for those who are late through the one before
-    first. Time warps within measures and mixed takes are in; drifts over the sequence (T056) and blends are not: they
-    are what the parting's margin is for."""
+    """Fill the `paths` of dancers `rows` through the measure `danced`.
+
+    Delayed dancers begin in the measure before. Time warps within measures and mixed takes are included. Drift over the
+    sequence (T056) and blends are not: the margin of path separation covers them.
+    """
     amplitude, frequency, start, sign = danced.warp[:, rows]
     phase = measure_warp(FRACTIONS, amplitude, frequency, start, sign, dancers.graph.window).T
     late = dancers.variation.late[rows]
@@ -33,7 +35,7 @@ def trace(paths: Paths, dancers: Dancers, danced: Danced, rows: slice) -> None:
 
 
 def _trace_measure(paths: Paths, danced: Danced, rows: slice, phase: Float64, *, settled: bool) -> None:
-    """The moments at which dancers are in the measure `danced`, at `phase` (n, MOMENTS) of it; below 0 they are not."""
+    """Fill the moments at which dancers are in the measure `danced`, at `phase` (n, MOMENTS), below 0 where not."""
     graph = danced.graph
     library = graph.library
     shift, turn = take_offset(graph, danced.node[rows], danced.take[rows])

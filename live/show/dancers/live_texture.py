@@ -1,10 +1,8 @@
-"""Texturing: upper bodies of recorded dancers, chosen on stage by what the legs do, without knowing what comes (P024).
+"""Live texturing: replaces upper bodies by recorded ones, matched by leg motion without look-ahead (P024).
 
-In every beat each dancer's legs are compared, from half a beat before the beat line to a quarter after it, with the
-beats of the recordings; the best match's upper body goes on with her from then on, and comes in within half a beat.
-Where the recording just goes on it is only let go on. Decisions are made in ticks; what is drawn reads them.
-
-The recordings that a patch's `[texture]` names, cut at their beats.
+In every beat each dancer's leg motion, from half a beat before the beat line to a quarter after it, is compared with
+the beats of the patch's `[texture]` recordings. The upper body of the best match fades in within half a beat. If the
+best match continues the present recording, nothing changes. Choices are made in ticks; drawing only reads them.
 """
 
 import math
@@ -39,38 +37,38 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 PREFIX: Final = 0.25
-"""How far into a beat legs are looked at before it is chosen what they mean [beats]."""
+"""Part of a beat whose leg motion is used before the beat is matched [beats]."""
 BLEND: Final = 0.5
-"""How long it takes to go from one fragment to another [beats]."""
+"""Duration of a blend from one fragment to another [beats]."""
 JOIN: Final = 0.5
-"""What leaving a recording that goes on costs, as a share of how far apart beats are on the average."""
+"""Cost of leaving a recording that continues, as a share of the mean distance between beats."""
 TASTE: Final = 0.6
-"""How differently dancers see distances: 0 all alike; so several dancers take several paths."""
+"""Random weighting of distances per dancer, 0 for none, so that dancers with the same steps choose differently."""
 FADE_HALFLIFE: Final = 0.15
-"""Half-life [s] of the way to where the fader is: no pop, however it is thrown."""
+"""Half-life [s] of the fade towards the fader's value: fast fader moves cause no pop."""
 TURNS: Final = 10
-"""Dancers choose in so many turns, a tick each: all at once would be too much for one."""
+"""Choices are spread over this many ticks: all at once would overload one tick."""
 WHOLE: Final = 0.99
-"""With more texture than this nothing of the step's own upper body is seen."""
+"""With more texture than this, the step's own upper body is invisible."""
 _MOMENTS: Final = 16
 _EIGHTHS: Final = 8
 _NEVER: Final = -(1 << 40)
 
 
 class Texturing:
-    """What upper bodies are textured with, of A dancers."""
+    """Texture state of the upper bodies of A dancers."""
 
     def __init__(self, bank: TextureBank, variation: Variation, count: int, *, seed: int, beats: int) -> None:
-        """`bank` may be empty; `variation.texture` (A,) is where the faders are; `beats` of a measure."""
+        """`bank` may be empty; `variation.texture` (A,) holds the faders' values; `beats` of a measure."""
         self.bank = bank
         self._variation = variation
         self._seed, self._beats = seed, beats
         self.level: Float32 = np.zeros(count, np.float32)
-        """How much texture there is, 0 to 1, (A,)."""
+        """Present texture weight, 0 to 1, (A,)."""
         self.fragment: Int32 = np.full(count, -1, np.int32)
-        """The beat of the recordings that was chosen last, -1 before the first, (A,)."""
+        """Beat of the recordings chosen last, -1 before the first, (A,)."""
         self.chosen: Int64 = np.full(count, _NEVER, np.int64)
-        """The danced beat for which that was, (A,)."""
+        """The danced beat for which it was chosen, (A,)."""
         self.switched: Float64 = np.full(count, -1e9)
         """The danced beat at which the last change of recording began, (A,)."""
         self._origin: Float64 = np.zeros((2, count))
@@ -88,17 +86,17 @@ class Texturing:
 
     @property
     def active(self) -> bool:
-        """Whether anybody is textured, or will be."""
+        """Whether any dancer is textured, or will be."""
         return self.bank.count > 0 and bool(self.level.any() or self._variation.textures)
 
     def danced(self, phase: Float64) -> Float64:
-        """Beats danced so far by everybody, who is at `phase` (A,) of the present measure."""
+        """Return the beats danced so far by dancers at `phase` (A,) of the present measure, (A,)."""
         return np.asarray((self._variation.measure + phase) * self._beats)
 
     def tick(self, phase: Float64, position: Float32, rotation: Float32, dt: float) -> None:
-        """Follow legs at `position` (A, 9, 3) and `rotation` (A, 9, 4) to this tick, and choose for whom it is time.
+        """Record the legs at `position` (A, 9, 3) and `rotation` (A, 9, 4) for this tick, and make the choices due.
 
-        Who is not textured costs nothing, and nobody else's turn.
+        Dancers without texture cost nothing and use up no turn.
         """
         if not self.active:
             self._since[:] = np.inf
@@ -126,7 +124,7 @@ class Texturing:
         self.fragment[out], self.chosen[out] = -1, _NEVER
 
     def _choose(self, dancer: int, line: int, danced: float) -> None:
-        """The beat of the recordings that goes on with `dancer` from the danced beat `line` on."""
+        """Choose the beat of the recordings for `dancer` from the danced beat `line` on."""
         bank, last = self.bank, int(self.fragment[dancer])
         prefix_of(self._own, self._kept[dancer], line)
         going = -1
@@ -154,10 +152,10 @@ class Texturing:
             self._signs[1, dancer] = self._signs[0, dancer]
 
     def dress(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
-        """Texture poses at `position` (A, J, 3) and `rotation` (A, J, 4), world, at `phase` (A,) of the measure; or
-        those of the dancers `rows` (n,) alone, (n, J, 3) and (n, J, 4).
+        """Texture the world poses `position` (A, J, 3) and `rotation` (A, J, 4) at `phase` (A,) of the measure, or only
+        those of the dancers `rows` (n,), (n, J, 3) and (n, J, 4).
 
-        Nothing but the poses is changed.
+        Changes nothing but the poses.
         """
         if not (self.bank.count and self.level.any()):
             return
@@ -177,19 +175,19 @@ class Texturing:
 
 
 def bank_of(patch: Patch, path: Path) -> TextureBank | None:
-    """What dancers of the patch may be textured with, None if it names no recordings.
+    """Return the patch's texture recordings, cut at their beats; None if it names none.
 
-    PersonError for recordings that are not there, cannot be read, or hold no beat; and for a patch that asks for
-    texture and names none.
+    Raises PersonError for recordings that are missing, unreadable or without beats, and for a patch that uses texture
+    without naming recordings.
     """
     section = patch.texture
     if not section.recordings:
         groups = [index for index, group in enumerate(patch.group) if patch.motion_of(group).texture > 0.0]
         if groups:
             raise PersonError(
-                f"{path}: motion.texture is {patch.motion_of(patch.group[groups[0]]).texture:g}, and there is nothing "
-                "to take it from",
-                '[texture] with recordings = ["mocap"], a folder of motion files',
+                f"{path}: motion.texture is {patch.motion_of(patch.group[groups[0]]).texture:g}, but the patch names "
+                "no recordings",
+                'add [texture] with recordings = ["mocap"], a folder of motion files',
             )
         return None
     places = []
@@ -197,12 +195,14 @@ def bank_of(patch: Patch, path: Path) -> TextureBank | None:
         for name in section.recordings:
             found = find_beside(name, path)
             if found is None:
-                raise PersonError(f"there is no file and no folder {name[:200]!r}", "name it beside the patch")
+                raise PersonError(
+                    f"there is no file and no folder {name[:200]!r}", "give its path relative to the patch"
+                )
             places.append(found)
         clips = [clip for clip in read_material(places, fps=section.fps).clips if UNBEATEN not in clip.tags]
         try:
             return TextureBank.of(clips)
         except ValueError as error:
             raise PersonError(
-                str(error), "give longer recordings, or say bpm and first_beat_s of them in a TOML file beside them"
+                str(error), "use longer recordings, or set their bpm and first_beat_s in a TOML file next to them"
             ) from None

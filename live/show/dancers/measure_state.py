@@ -1,4 +1,4 @@
-"""Danced: one measure of every dancer, which clip, where on the stage, and how it is varied."""
+"""State of one measure of every dancer: its clip, its placement on the stage and its variation."""
 
 import numpy as np
 import numpy.typing as npt
@@ -18,11 +18,11 @@ __all__ = ["UNDECIDED", "Danced", "turn_vectors"]
 
 UNDECIDED = -1
 LEAST_LEFT = 0.15
-"""Share of the rise that must be left for a correction to be aimed anew: with less it would be a jerk."""
+"""Share of the warp curve that must be left for a correction to be re-aimed: with less, the change would be a jerk."""
 
 
 class _Ends:
-    """Where the measures of a `Danced` end in their clips' own axes, and what that was worked out of."""
+    """Cache of where the measures of a `Danced` end in their clips' own axes, with the inputs of that result."""
 
     def __init__(self, danced: "Danced") -> None:
         self._node, self._take, self._share = danced.node.copy(), danced.take.copy(), danced.take_share[0].copy()
@@ -30,19 +30,19 @@ class _Ends:
         self.hips, self.heading = own_end(self._graph, self._node, self._take, self._share.astype(np.float64))
 
     def still(self, danced: "Danced") -> bool:
-        """Whether `danced` holds the same measures."""
+        """Whether `danced` still holds the same measures."""
         same = same_measures(danced.node, self._node, danced.take, self._take, danced.take_share[0], self._share)
         return self._graph is danced.graph and same
 
     def leap(self, rows: Int32, node: Int32) -> None:
-        """The dancers `rows` (n,) dance `node` (n,) alone: what is known of the others stays."""
+        """Update the dancers `rows` (n,) to `node` (n,) without another take. All other rows stay valid."""
         self._node[rows], self._take[rows], self._share[rows] = node, NO_TAKE, 0.0
         known = np.maximum(node, 0)
         self.hips[rows], self.heading[rows] = self._graph.node_end[known], self._graph.node_facing[known]
 
 
 class Danced:
-    """Plain arrays over A dancers; `copy_from` replaces them as a whole at a measure line."""
+    """One measure of A dancers, as plain arrays. `copy_from` replaces all of them at a measure line."""
 
     ARRAYS = ("node", "placement", "correction", "aimed", "on_support", "take", "take_share", "amplitude", "warp")
 
@@ -52,37 +52,37 @@ class Danced:
         self.decided = False
         """Whether the measure of every dancer is chosen."""
         self.node: Int32 = np.full(count, UNDECIDED, np.int32)
-        """Node danced, UNDECIDED before it is chosen, shape (A,)."""
+        """Node of each dancer, UNDECIDED before it is chosen, shape (A,)."""
         self.placement: Float64 = np.zeros((count, 3))
-        """x, z [m], yaw [rad] of the axes of its clip on the stage, shape (A, 3)."""
+        """x, z [m], yaw [rad] of the clip's axes on the stage, shape (A, 3)."""
         self.correction: Float64 = np.zeros((count, 3))
-        """What is added over the measure so that it ends where it should: x, z [m], yaw [rad], shape (A, 3)."""
+        """Offset added over the measure so that it ends at its target: x, z [m], yaw [rad], shape (A, 3)."""
         self.aimed: Float64 = np.zeros((count, 3))
-        """The way x, z [m] of it that was in when it was aimed anew, and the share of the rise at that time, (A, 3)."""
+        """The part x, z [m] of it already applied at the last re-aim, and the warp curve's value then, (A, 3)."""
         self.on_support: Float64 = np.zeros(count)
-        """1 where the turn happens on the carrying foot (T048-T050), 0 where it is spread over the measure, (A,)."""
+        """1 where the turn happens on the support foot (T048-T050), 0 where it is spread over the measure, (A,)."""
         self.take: Int32 = np.full(count, NO_TAKE, np.int32)
-        """Node of the other take that is mixed in, NO_TAKE if none is, shape (A,)."""
+        """Node of the other take that is mixed in, NO_TAKE for none, shape (A,)."""
         self.take_share: Float32 = np.zeros((2, count), np.float32)
-        """How much of it there is in the lower and in the upper body, shape (2, A) (T044, T045)."""
+        """Weight of that take in the lower and in the upper body, shape (2, A) (T044, T045)."""
         self.amplitude: Float64 = np.ones((2, count))
-        """Amplitude of the upper body where the measure begins and where it ends, shape (2, A) (T058-T060)."""
+        """Amplitude of the upper body at the beginning and end of the measure, shape (2, A) (T058-T060)."""
         self.warp: Float64 = np.zeros((4, count))
         """Time warp of the measure: amplitude and start as shares of it, frequency, sign, (4, A) (T055)."""
 
     def copy_from(self, other: "Danced") -> None:
-        """Take over everything; views into the arrays stay valid."""
+        """Copy all state of `other`. Views into the arrays stay valid."""
         for name in self.ARRAYS:
             getattr(self, name)[:] = getattr(other, name)
         self.decided, self._ends = other.decided, other._ends
 
     def undecide(self) -> None:
-        """Nobody's measure is chosen any more."""
+        """Mark the measures of all dancers as not chosen."""
         self.node[:] = UNDECIDED
         self.decided = False
 
     def turned(self, fraction: Float64, out: Float64) -> None:
-        """Placements (A, 4) with the corrections' share in them when `fraction` (A,) of the measure has passed."""
+        """Fill `out` (A, 4) with the placements, corrections included, at `fraction` (A,) of the measure."""
         place_dancers(
             out,
             self.placement,
@@ -96,24 +96,27 @@ class Danced:
         )
 
     def bound_aims(self, goal: Float64, phase: Float64, most: Float64) -> None:
-        """Change what corrections shall lead to, `goal` (A, 2) [m], to what can still be reached from `phase` (A,) on.
+        """Limit the corrections' goals, `goal` (A, 2) [m], to what can still be reached from `phase` (A,) on.
 
-        In the rest of a measure nobody goes faster than with `most` (A,) [m] in the whole, or than she goes already.
+        In the rest of a measure no dancer moves faster than with a correction of `most` (A,) [m] over the whole
+        measure, or than they already do.
         """
         rise = self.graph.node_rise
         bound_aims(goal, self.correction, self.aimed, phase, self.node, rise, most, LEAST_LEFT)
 
     def re_aim(self, correction: Float64, phase: Float64) -> None:
-        """From `phase` (A,) of their measures on let the dancers' ways lead to `correction` (A, 2) [m] instead.
+        """Change the corrections to `correction` (A, 2) [m] from `phase` (A,) of the measures on.
 
-        Nobody jumps, and who moves goes on without a kink where `correction` changes smoothly from call to call. Who
-        is in the last LEAST_LEFT of her rise keeps what she has.
+        Positions stay continuous, and velocities too if `correction` changes smoothly from call to call. Dancers in
+        the last LEAST_LEFT of their warp curve keep their correction.
         """
         re_aim_dancers(self.correction, self.aimed, correction, phase, self.node, self.graph.node_rise, LEAST_LEFT)
 
     def leap(self, rows: Int32, node: Int32, placement: Float64) -> None:
-        """The dancers `rows` (n,) dance `node` (n,) instead, its clip's axes at `placement` (n, 3); nothing is added or
-        mixed in. Time warp and amplitude stay theirs."""
+        """Switch the dancers `rows` (n,) to `node` (n,), with the clip's axes at `placement` (n, 3).
+
+        Their correction and their other take are removed. Time warp and amplitude stay.
+        """
         self.node[rows], self.placement[rows] = node, placement
         self.correction[rows] = self.aimed[rows] = 0.0
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
@@ -121,22 +124,22 @@ class Danced:
             self._ends.leap(rows, node)
 
     def take_placement(self, placement: Float64) -> Float64:
-        """Where the other takes' clips lie, (A, 4), when the dancers' own lie at `placement` (A, 4)."""
+        """Placements of the other takes' clips, (A, 4), for own clips at `placement` (A, 4)."""
         return take_placement(self.graph, self.node, self.take, placement)
 
     def own_end(self) -> tuple[Float64, Float64]:
-        """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, takes mixed in."""
+        """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, other takes included."""
         known = self._ends
         if known is None or not known.still(self):
             self._ends = known = _Ends(self)
         return known.hips, known.heading
 
     def end_placement(self) -> Float64:
-        """The axes (x, z, yaw) in which the next clip joins, corrections and takes included, (A, 3)."""
+        """Axes (x, z, yaw) at which the next clip joins, corrections and takes included, (A, 3)."""
         return self.ends_and_axes()[2]
 
     def ends(self) -> tuple[Float64, Float64]:
-        """Where the hips will be at the measure's end [m], (A, 2), and where the dancers will face [rad], (A,)."""
+        """Hips (A, 2) [m] and heading (A,) [rad] on the stage at the measure's end."""
         return self.ends_and_axes()[:2]
 
     def ends_and_axes(self) -> tuple[Float64, Float64, Float64]:
@@ -150,13 +153,13 @@ class Danced:
         return hips, heading, axes
 
     def end_position(self) -> Float64:
-        """Where the hips will be at the measure's end [m], shape (A, 2)."""
+        """Hips on the stage at the measure's end [m], shape (A, 2)."""
         return self.ends()[0]
 
     def begin_heading(self) -> Float64:
-        """Where the dancers face when the measure begins [rad], shape (A,)."""
+        """Heading of each dancer at the beginning of the measure [rad], shape (A,)."""
         return np.asarray(self.placement[:, 2] + self.graph.node_facing_start[np.maximum(self.node, 0)])
 
     def end_heading(self) -> Float64:
-        """Where the dancers face at the measure's end [rad], shape (A,)."""
+        """Heading of each dancer at the measure's end [rad], shape (A,)."""
         return self.ends()[1]

@@ -1,13 +1,9 @@
-"""Partners: two dancers at arm's length as one; a pair travels and turns together.
+"""Partner dancing: pairs of a leader and a follower who travel and turn together at arm's length.
 
-In a group with `partners` its members 1 and 2, 3 and 4 ... are pairs: one leads, the other follows. Their agents are
-the two ends of a rod (`pair_steering.py`); where the leader's measure ends, and which way she faces there, says where
-the follower's measure should end. An odd member dances alone. Whoever leaves her group or the stage lets go at once;
-who is left over finds a new partner at the next measure line.
-
-Pair steering: the agents of partners advance as the two ends of a rod, on the stage and in the look-ahead.
-
-Following: partners who follow choose their next measures after their leaders have, to end at their side.
+In a group with `partners`, members 1 and 2, 3 and 4 ... form pairs. A last odd member dances alone. The two agents of a
+pair move as the ends of a rod. Followers choose their next step after their leaders: the end and heading of the
+leader's measure give the target of the follower's. A pair ends as soon as one of the two leaves the group or the stage.
+Dancers left alone are paired again at the next measure line.
 """
 
 import math
@@ -38,20 +34,20 @@ BESIDE: Final = 2
 SHADOW: Final = 3
 MANNERS: Final = {None: ALONE, "facing": FACING, "beside": BESIDE, "shadow": SHADOW}
 SHADOW_ANGLE: Final = math.radians(35.0)
-"""So far behind the line of her leader's shoulders a shadow stands, at her left."""
+"""Angle of a shadow behind the line of the leader's shoulders, on the leader's left [rad]."""
 TURN: Final = math.radians(30.0)
-"""A pair turns by this much in a measure at most: each of the two has to go round the middle."""
+"""Largest turn of a pair in one measure [rad]: both dancers have to walk around the middle."""
 MEET: Final = 0.3
-"""Two who are this much [m] farther apart than their arms' length are still on the way to each other."""
+"""Partners farther apart than arm's length by more than this [m] are still approaching each other."""
 CLOSE: Final = 0.2
-"""Partners nearer than their arms' length by this much [m] are not moved as one."""
+"""Partners closer than arm's length by more than this [m] are not moved together."""
 MOST: Final = 0.4
-"""What is amiss between the two of a pair at the end of a measure is mended by this much [m] at most."""
+"""Largest correction of a pair's distance error at the end of a measure [m]."""
 _PLACE: Final = np.array(
     [[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [math.cos(SHADOW_ANGLE), -math.sin(SHADOW_ANGLE)]]
-)  # of the follower, seen by her leader who faces 0, for each manner
-_AHEAD: Final = np.array([0.0, math.pi, 0.0, 0.0])  # how far her heading is ahead of her leader's
-_HANDS: Final = {  # which hand of the leader holds which hand of the follower
+)  # of the follower relative to a leader with heading 0, per manner
+_AHEAD: Final = np.array([0.0, math.pi, 0.0, 0.0])  # the follower's heading minus the leader's, per manner
+_HANDS: Final = {  # (hand of the leader, hand of the follower)
     FACING: ((LEFT, RIGHT), (RIGHT, LEFT)),
     BESIDE: ((RIGHT, LEFT),),
     SHADOW: ((LEFT, RIGHT),),
@@ -59,7 +55,7 @@ _HANDS: Final = {  # which hand of the leader holds which hand of the follower
 
 
 class Partners:
-    """Who dances with whom among A dancers."""
+    """The pairs among A dancers."""
 
     def __init__(self, patch: Patch, casting: Casting) -> None:
         count = len(casting.group)
@@ -70,42 +66,42 @@ class Partners:
         self.of: Int32 = np.full(count, NOBODY, np.int32)
         """Partner of each dancer, NOBODY for none, shape (A,)."""
         self.leader: Int32 = np.zeros(0, np.int32)
-        """The leaders of the P pairs, shape (P,)."""
+        """Leaders of the P pairs, shape (P,)."""
         self.follower: Int32 = np.zeros(0, np.int32)
-        """Their followers, shape (P,)."""
+        """Followers of the P pairs, shape (P,)."""
         self.other: Int32 = np.full((count, 2), NOBODY, np.int32)
         self.hand: Int32 = np.zeros((count, 2, 2), np.int32)
-        """The hands that are to be held, as `Hands.tick` takes them."""
+        """The hands to be held, as `Hands.tick` expects them."""
         self._meeting: Bool = np.zeros(count, np.bool_)
         self._own: Int32 = np.arange(count, dtype=np.int32)
-        self._dance = bool(self._manner.any())  # whether there is any group with partners
+        self._dance = bool(self._manner.any())  # whether any group has partners
         self.offset: Float64 = np.zeros((2, count, 2))
-        """From each follower's leader to her [m] when the present and the coming measure end, shape (2, A, 2)."""
+        """From leader to follower [m] at the end of the present and of the coming measure, by follower, (2, A, 2)."""
 
     @property
     def arm(self) -> Float64:
-        """How far the two of each pair are apart [m], shape (P,)."""
+        """Distance of the two dancers of each pair [m], shape (P,)."""
         return np.asarray(self._arm[self._group[self.leader]])
 
     @property
     def mirrored(self) -> Bool:
-        """Who dances the mirror image of what her partner does, shape (A,): followers who face their leaders."""
+        """Dancers who dance the mirror image of their partner's steps, shape (A,): followers who face their leaders."""
         mirrored = np.zeros(len(self.of), np.bool_)
         mirrored[self.follower] = self._manner[self._group[self.leader]] == FACING
         return mirrored
 
     def timing(self) -> Int32:
-        """Whose timing each dancer has: her leader's or her own, shape (A,)."""
+        """The dancer whose timing each dancer uses, shape (A,): a follower's leader, else the dancer."""
         if not len(self.leader):
             return self._own
         like = self._own.copy()
         like[self.follower] = self.leader
         return like
 
-    # -- who with whom -------------------------------------------------------------------------------------------
+    # -- pairing -------------------------------------------------------------------------------------------------
 
     def part(self, there: Bool) -> None:
-        """Pairs end whose dancers are not both `there` (A,) and in one group with partners any more."""
+        """End the pairs whose dancers are not both `there` (A,) and in the same group with partners."""
         lead, follow = self.leader, self.follower
         if not len(lead):
             return
@@ -115,7 +111,7 @@ class Partners:
             self._set(lead[stay], follow[stay])
 
     def pair(self, there: Bool) -> None:
-        """At a measure line: those `there` (A,) who have no partner take one, in the order of their numbers."""
+        """Pair dancers who are `there` (A,) and have no partner, in index order. Called at measure lines."""
         if not self._dance:
             return
         self.part(there)
@@ -139,19 +135,19 @@ class Partners:
             for n, hands in enumerate(self._holds[self._group[lead]]):
                 self.other[lead, n], self.hand[lead, n] = follow, hands
 
-    # -- places --------------------------------------------------------------------------------------------------
+    # -- relative placement --------------------------------------------------------------------------------------
 
     def places(self, heading: Float64) -> Float64:
-        """From leaders who face `heading` (P,) [rad] to their followers [m], shape (P, 2)."""
+        """Offsets from leaders with `heading` (P,) [rad] to their followers [m], shape (P, 2)."""
         manner = self._manner[self._group[self.leader]]
         return turn_vectors(_PLACE[manner] * self.arm[:, None], heading)
 
     def faces(self, heading: Float64) -> Float64:
-        """Where the followers of leaders who face `heading` (P,) face [rad], shape (P,)."""
+        """Headings of the followers of leaders with `heading` (P,) [rad], shape (P,)."""
         return np.asarray(heading + _AHEAD[self._manner[self._group[self.leader]]])
 
     def begin(self, position: Float32, heading: Float64) -> None:
-        """Everybody stands at `position` (A, 2) [m]: pairs about their leaders' places; both face as pairs do."""
+        """Change starting positions (A, 2) [m] and headings (A,) so that each pair stands around its leader's place."""
         lead, follow = self.leader, self.follower
         half = 0.5 * self.places(heading[lead])
         middle = position[lead].astype(np.float64)
@@ -159,14 +155,14 @@ class Partners:
         heading[follow] = self.faces(heading[lead])
         self.offset[:, follow] = 2.0 * half
 
-    # -- what the next measure shall be --------------------------------------------------------------------------
+    # -- targets of the next measure -----------------------------------------------------------------------------
 
     def aim(self, wish: Float64, heading: Float64, stand: Float64, now: Float64, known: Bool) -> None:
-        """Change what is wanted, `wish` (A, 2) [m] and `heading` (A,) [rad], so that pairs stay pairs.
+        """Change the targets `wish` (A, 2) [m] and `heading` (A,) [rad] so that pairs stay together.
 
-        `stand` (A, 2) and `now` (A,): where everybody will be and face when the measure begins. The leader's heading
-        turns the pair, as fast as pairs can; their middle goes where the middle of both would, or where the leader's
-        formation wants it (`known`).
+        `stand` (A, 2) and `now` (A,) are positions and headings at the beginning of the measure. The leader's heading
+        turns the pair, by TURN at most. The pair's middle goes to the middle of both targets or, for leaders in a
+        formation (`known`), to the leader's target.
         """
         lead, follow = self.leader, self.follower
         self._meeting[follow] = np.hypot(*(stand[follow] - stand[lead]).T) > self.arm + MEET
@@ -178,15 +174,15 @@ class Partners:
         wish[lead], wish[follow] = middle - half, middle + half
 
     def gather(self, target: npt.NDArray[np.floating], heading: Float64) -> None:
-        """Bring the places `target` (A, 2) [m] of pairs to arm's length, whose leaders face `heading` (A,); the middle
-        of each two stays."""
+        """Bring the targets `target` (A, 2) [m] of pairs to arm's length for leaders with `heading` (A,). The middle of
+        each pair stays."""
         lead, follow = self.leader, self.follower
         half = 0.5 * self.places(heading[lead])
         middle = 0.5 * (target[lead] + target[follow])
         target[lead], target[follow] = middle - half, middle + half
 
     def follow(self, reached: Float64, facing: Float64, target: Float64, heading: Float64) -> None:
-        """The leaders' measures will end at `reached` (P, 2) [m], `facing` (P,): their followers go there, too."""
+        """Write the targets of pairs whose leaders' measures will end at `reached` (P, 2) [m] with `facing` (P,)."""
         offset = self.places(facing)
         self.offset[1, self.follower] = offset
         target[self.leader] = reached
@@ -194,19 +190,23 @@ class Partners:
         heading[self.leader], heading[self.follower] = facing, self.faces(facing)
 
     def sides(self, node_side: Int32) -> Int32:
-        """The sides followers want whose leaders dance nodes of these sides, (P,): who face each other mirror."""
+        """Sides wanted by followers whose leaders dance nodes of `node_side` (P,), (P,): mirrored for facing pairs."""
         return np.where(self._manner[self._group[self.leader]] == FACING, -node_side, node_side).astype(np.int32)
 
     def own_sides(self, side: Int32, now: Int32) -> Int32:
-        """The sides (A,) that everybody wants, who dance nodes of the sides `now` (A,): leaders keep theirs, for from a
-        measure on the other foot there is seldom a way to follow."""
+        """Sides wanted by all dancers (A,), who now dance nodes of the sides `now` (A,).
+
+        Leaders without a preference keep their side: after a change of feet, followers seldom find a matching step.
+        """
         side = side.copy()
         side[self.leader] = np.where(side[self.leader] == 0, now[self.leader], side[self.leader])
         return side
 
     def move(self, moved: Float64, place: Float32) -> None:
-        """Who is pushed aside, `moved` (A, 2) [m] from her `place` (A, 2), takes her partner along, unless these two
-        are pushed off each other."""
+        """Apply the displacement `moved` (A, 2) [m] of a dancer at `place` (A, 2) to the partner too.
+
+        Partners who are too close to each other are moved separately.
+        """
         lead, follow = self.leader, self.follower
         if len(lead):
             held = (np.hypot(*(place[follow] - place[lead]).T) > self.arm - CLOSE)[:, None]
@@ -214,8 +214,10 @@ class Partners:
             moved[lead], moved[follow] = np.where(held, both, moved[lead]), np.where(held, both, moved[follow])
 
     def level(self, ends: Float64, *, coming: bool) -> None:
-        """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs are at arm's length, each of
-        the two by half of what is amiss, MOST at most; who are on the way to each other are left."""
+        """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs end at arm's length.
+
+        Each of the two takes half of the error, which is limited to MOST. Pairs that are still approaching are skipped.
+        """
         lead, follow = self.leader, self.follower
         if not len(lead):
             return
@@ -227,36 +229,36 @@ class Partners:
 
 
 def _holds(manner: int, hands: str) -> tuple[tuple[int, int], ...]:
-    """The hands held by partners of a manner."""
+    """Return the hands that partners of a manner hold."""
     if manner == ALONE or hands == "none":
         return ()
     return _HANDS[manner] if hands == "both" else _HANDS[manner][:1]
 
 
 CLOSING_S: Final = 0.6
-"""Two who are on the way to each other would meet in this time [s], if they were fast enough."""
+"""Time in which approaching partners should meet, if their speed allows [s]."""
 RATE: Final = 1.0
-"""A rod gets its length back at this speed [m/s] at most."""
+"""Largest speed at which each end of a rod is moved to restore its length [m/s]."""
 FIRM: Final = 0.5
-"""From this firmness on what the leader is asked to do counts for both."""
+"""From this firmness on, the leader's command counts for both."""
 
 
 class PairSteering:
-    """Advances agents as `Advance` does, pairs as one."""
+    """Advances agents as `Advance` does, with the two agents of a pair as the ends of a rod."""
 
     def __init__(self, advance: Advance, partners: Partners) -> None:
         self._advance, self._partners = advance, partners
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """The stage's half sizes [m] are these from now on."""
+        """Set the stage's half sizes [m]."""
         self._advance.resize(half_width, half_depth)
 
     def steer(self, steering: Steering) -> None:
-        """Other parameters from now on; the stage's size stays."""
+        """Set the steering parameters. The stage's size stays."""
         self._advance.steer(steering)
 
     def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
-        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        """Set the share of avoidance, (n,), that the agents `rows` (n,) take."""
         self._advance.yield_to(rows, responsibility)
 
     def __call__(
@@ -269,7 +271,7 @@ class PairSteering:
         time: float,
         dt: float,
     ) -> None:
-        """Read `current`, write `out`, `dt` [s] later; `wants` is changed to what both of a pair want."""
+        """Read `current` and write `out`, `dt` [s] later. `wants` is changed to common commands for each pair."""
         if len(self._partners.leader):
             self._ask(wants, current)
         self._advance(current, out, wants=wants, surroundings=surroundings, time=time, dt=dt)
@@ -277,7 +279,7 @@ class PairSteering:
             self._hold(out, dt)
 
     def _ask(self, wants: Wants, state: AgentState) -> None:
-        """Both of a pair want the same; who are still apart go to each other."""
+        """Give both agents of a pair the same command. Partners who are still apart approach each other."""
         lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
         firm = wants.firm[lead] > FIRM
         both = 0.5 * (wants.velocity[lead] + wants.velocity[follow])
@@ -292,11 +294,11 @@ class PairSteering:
         close = between * (np.minimum(0.5 * far / CLOSING_S, speed) / apart)[:, None]
         wants.velocity[lead] = both + close
         wants.velocity[follow] = both - close
-        for rows in (lead, follow):  # nobody is pushed off by her own partner
+        for rows in (lead, follow):  # separation must not push partners apart
             wants.separation[rows] = np.minimum(wants.separation[rows], arm)
 
     def _hold(self, state: AgentState, dt: float) -> None:
-        """The rod keeps its length, and neither end moves along it faster than the other."""
+        """Restore the rod's length, and equalize the velocities of its ends along it."""
         lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
         between = (state.position[follow] - state.position[lead]).astype(np.float64)
         apart = np.maximum(np.hypot(*between.T), 1e-6)
@@ -313,17 +315,17 @@ class PairSteering:
 
 
 TOO_FAR: Final = 0.4
-"""A follower whose measure would end so far [m] from her place may dance any side of the step."""
+"""A follower whose measure would end farther than this [m] from the target may dance either side of the step."""
 
 
 def place_followers(
     partners: Partners, choosing: Choosing, choices: Choices, heading: Float64, asked: tuple[Any, ...]
 ) -> tuple[Int32, Int32]:
-    """Say where followers should end, once everybody has chosen, `asked` with these arguments of `Choosing.choose`.
+    """Set the targets of followers after all dancers have chosen; `asked` are the arguments of `Choosing.choose`.
 
-    Leaders end where their clips and corrections take them, and face what their turns reach: both are written into
-    the targets and `heading` (A,) [rad], and their followers' places and headings beside them. Returns the followers
-    (P,) and the sides they want: the mirror image of what their leaders dance where they face them, else the same.
+    A leader ends where clip and correction lead, with the heading that the turn reaches. Both are written to the
+    targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,) and the sides
+    they want: the mirror image of the leader's side for facing pairs, else the same side.
     """
     node, _, wish, _, _, _, manner, _ = asked
     lead, follow = partners.leader, partners.follower
@@ -341,8 +343,10 @@ def place_followers(
 
 
 def choose_following(rows: Int32, sides: Int32, choosing: Choosing, choices: Choices, asked: tuple[Any, ...]) -> None:
-    """Choose anew for the followers `rows` (n,) who want these `sides` (n,); to stay together is more than to dance on
-    the same feet."""
+    """Choose again for the followers `rows` (n,) who want these `sides` (n,).
+
+    Staying together counts more than dancing on the same feet: followers who end too far away choose from both sides.
+    """
     _choose(rows, sides, choosing, asked)
     off = np.hypot(*(choices.end[rows, :2] - choices.target[rows]).T)
     far = rows[off > TOO_FAR]

@@ -1,4 +1,4 @@
-"""Chance: the generators by which the dancers of one group differ, one for each purpose and measure."""
+"""Random generators for variation, one for each purpose and measure."""
 
 from enum import IntEnum
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Purpose(IntEnum):
-    """What is drawn; each has chances of its own."""
+    """Purposes of random draws, each with independent generators."""
 
     MEASURE = 1
     """Warp, amplitude and takes of one measure."""
@@ -17,5 +17,5 @@ class Purpose(IntEnum):
 
 
 def chance_of(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:
-    """The generator of one purpose and measure; measures before the first downbeat have numbers below 0."""
+    """Return the generator of a purpose and measure. Measures before the first downbeat have numbers below 0."""
     return np.random.default_rng([seed, purpose, measure % (1 << 32)])

@@ -1,4 +1,4 @@
-"""Carried: where the present measure takes every dancer, corrections apart and in, and what these shall lead to."""
+"""Root-correction state of the present measure: paths without corrections, their ends, and the corrections' goals."""
 
 from typing import Final
 
@@ -20,54 +20,54 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 LEAST_DODGE: Final = 0.1
-"""Whatever legs give, dancers are carried this far [m] beyond their steps where they would touch."""
+"""Least correction allowed for path separation [m], whatever the legs' reach margin."""
 IN_HASTE: Final = 1.5
-"""Who would touch goes this much faster than others who are carried."""
+"""Factor by which corrections for path separation may be faster than others."""
 
 
 def runs(who: Int64) -> list[slice]:
-    """Indices `who` (n,), in rising order, as runs of neighbours."""
+    """Return the indices `who` (n,), which are in rising order, as slices of consecutive ones."""
     parts = np.split(who, np.flatnonzero(np.diff(who) > 1) + 1)
     return [slice(int(part[0]), int(part[-1]) + 1) for part in parts if len(part)]
 
 
 class Carried:
-    """Plain arrays over A dancers; those of shape (A, 2) [m] are views of `rows`, which the kernels take."""
+    """Correction state of A dancers. The arrays of shape (A, 2) [m] are views of `rows`, which the kernels use."""
 
     def __init__(self, dancers: Dancers, motion: GroupMotion) -> None:
         count = len(motion.casting.group)
         self.dancers, self.motion = dancers, motion
         self.paths = Paths(count)
-        """Where the hips go in the present measure."""
+        """Paths of the hips through the present measure."""
         self.node: Int32 = np.full(count, -1, np.int32)
-        """Of which node `paths` are."""
+        """The nodes for which `paths` were traced."""
         self.rows: Float64 = np.zeros((root_warp_kernels.ROWS, count, 2))
         self.begin, self.end = self.rows[root_warp_kernels.BEGIN], self.rows[root_warp_kernels.END]
-        """Where the hips are when the measure begins, and when it ends if it is not corrected."""
+        """Hips at the beginning of the measure, and at its end without correction."""
         self.goal = self.rows[root_warp_kernels.GOAL]
-        """What corrections shall lead to."""
+        """Goals of the corrections."""
         self.predicted: Float64 = self.rows[root_warp_kernels.PREDICTED]
-        """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach."""
+        """Predicted agent of each dancer at the end of the present measure, within the steps' reach."""
         self.asked, self.foreseen = self.rows[root_warp_kernels.ASKED], self.rows[root_warp_kernels.FORESEEN]
-        """The same as it was decided, and as it would be if steps reached everywhere."""
+        """The same at the time of the decision, and without the limit of the steps' reach."""
         self.room: Float64 = np.tile(motion.floor.half, (count, 1))
-        """How far to each side of the centre the present measure may end [m], (A, 2): who began it outside, because the
-        stage has become smaller, may still be there, but no farther out."""
+        """Largest distance from the centre at the end of the present measure, in x and z [m], (A, 2). A dancer who
+        began it outside a stage that has shrunk may stay there, but go no farther out."""
         self.most, self.hasty = np.zeros(count), np.zeros(count)
-        """How long a correction may become so that nobody touches [m], and how far one may hurry to, (A,)."""
+        """Largest correction for path separation [m], and the one that limits its speed [m], (A,)."""
 
     def allow(self, give: Float64) -> None:
-        """Legs give so much [m], (A,), for what keeps dancers apart."""
+        """Set the legs' reach margins [m], (A,), for path separation."""
         self.most[:] = np.maximum(give, LEAST_DODGE)
         self.hasty[:] = IN_HASTE * self.most
 
     def begin_measure(self, present: Danced, reference: Float32, *, traced: bool) -> None:
-        """The measure `present` begins; its paths are known already if they are `traced`. Agents are bound to
-        `reference` (A, 2) [m], which is written."""
+        """Begin the measure `present`, whose paths are known already if `traced`. Writes the agents' `reference`
+        (A, 2) [m]."""
         if not traced or not same_indices(self.node, present.node):
             trace(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
-        if (self.node < 0).all():  # the first measure: nobody asked for another end than that of her steps
+        if (self.node < 0).all():  # first measure: the target is the steps' own end
             self.asked[:] = self.foreseen[:] = self.end + present.correction[:, :2]
         self.node[:] = present.node
         root_warp_kernels.begin_rows(
@@ -75,7 +75,7 @@ class Carried:
         )
 
     def put_elsewhere(self, who: Int64) -> None:
-        """The dancers `who` (n,) were put into other measures in the middle of this one: go on with those."""
+        """Update the dancers `who` (n,) whose measures were replaced in the middle of this one."""
         present = self.dancers.present
         for some in runs(who):
             trace(self.paths, self.dancers, present, some)
@@ -87,11 +87,12 @@ class Carried:
         self.rows[root_warp_kernels.DODGE, who] = self.rows[root_warp_kernels.AIM_SPEED, who] = 0.0
 
     def keep_on_stage(self, way: Float64, end: Float64, room: Float64) -> None:
-        """Change the ways (A, 2) [m] from `end` (A, 2) so that nobody on the stage leaves her `room` (A, 2) of it."""
+        """Limit the displacements `way` (A, 2) [m] from `end` (A, 2) so that dancers on the stage stay in `room`."""
         root_warp_kernels.keep_ends(way, end, self.motion.entrances.state, ON, room)
 
     def level(self, way: Float64, end: Float64, *, coming: bool) -> None:
-        """Change the ways (A, 2) [m] added to measures that end at `end` (A, 2) so that partners stay together."""
+        """Change the displacements `way` (A, 2) [m] of measures that end at `end` (A, 2) so that partners stay
+        together."""
         if len(self.motion.partners.leader):
             ends = end + way
             self.motion.partners.level(ends, coming=coming)

@@ -1,9 +1,9 @@
-"""Carrying: how far dancers are carried beyond their steps, and agents along with their dancers.
+"""Control of the root corrections: how far dancers are moved beyond their steps, and reference paths for the agents.
 
-When measures are decided, each dancer's correction is what her legs and her obedience allow of the way that she lacks.
-In the ticks until the line the paths of all dancers through that measure are kept apart (`coming.py`). Within the
-measure her agent shows what steering wants at once, bound to her; how far it strays from what was planned re-aims the
-rest of her correction (`re_aiming.py`). Who would touch all the same is pushed away (`pushing.py`).
+When a measure is decided, each dancer's correction is the part of the missing distance that legs and obedience allow.
+In the ticks until the measure line, the paths of all dancers through the measure are separated. Within the measure, the
+rest of the correction is recomputed from the difference between predicted and actual agent position. Dancers who would
+still touch are pushed apart.
 """
 
 from typing import Any, Final
@@ -30,14 +30,14 @@ Float64 = npt.NDArray[np.float64]
 __all__ = ["FAITHFUL", "Carrying"]
 
 END_GAP: Final = 0.66
-"""Corrections see to it that dancers end a measure so far apart [m]: a bit less than steering's DANCER_GAP, which a
-circle of many may fall short of; else everybody in it would be led away from her place in every measure."""
+"""Least distance of dancers at the end of a measure [m]. It is a bit less than steering's DANCER_GAP, which large
+circles may fall short of: their dancers would otherwise be moved off their places in every measure."""
 CROWD: Final = 256
-"""So many dancers have little to do with most others: their paths are parted half as often."""
+"""With more dancers than this, path separation runs only in every second tick."""
 
 
 class Carrying:
-    """Decides every dancer's correction, and changes it within the measure."""
+    """Decides the root correction of each dancer, and changes it within the measure."""
 
     def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion) -> None:
         count = len(motion.casting.group)
@@ -58,20 +58,20 @@ class Carrying:
         self._re_aiming = ReAiming(self._carried, self.parting, most)
         self._pushing = Pushing(self._carried, self._coming, self.parting) if most > 0.0 else None
         self.reference: Float32 = np.zeros((count, 2), np.float32)
-        """Where agents are bound: the even way through the measure, (A, 2) [m]."""
+        """Reference positions of the agents: the even path through the measure, (A, 2) [m]."""
         self.pace: Float32 = np.zeros((count, 2), np.float32)
-        """How fast that moves, (A, 2) [m/s]."""
+        """Velocity of the reference positions, (A, 2) [m/s]."""
         self.lag: Float64 = np.zeros(count)
-        """How far each dancer ended the last measure from her predicted agent [m], shape (A,)."""
+        """Distance of each dancer from the predicted agent at the end of the last measure [m], shape (A,)."""
         self._odd = False
-        """Of crowds, paths are parted in every second tick."""
+        """Whether this tick skips path separation (large groups, every second tick)."""
         self._slid, self._stood = np.zeros(count), np.zeros(count)
-        self._ended = False  # whether how feet have slid in the measure before has still to be asked
-        self._begun = False  # whether this is the tick of a line: nobody has strayed yet, and paths are apart
+        self._ended = False  # whether the foot slide of the last measure has still to be read
+        self._begun = False  # whether this is the tick of a line: agents have not strayed, and paths are separate
         self._open = False  # whether the coming measures are not corrected yet
 
     def take_patch(self, fresh: "Carrying") -> None:
-        """Carry as far as another patch allows."""
+        """Apply the correction limit of another patch."""
         most = fresh._patch.locomotion.correction_m
         self._coming.most = self._re_aiming.most = most
         if (self._pushing is None) != (fresh._pushing is None):
@@ -79,30 +79,31 @@ class Carrying:
 
     @property
     def predicted(self) -> Float64:
-        """Where each dancer's agent is predicted to be when the present measure ends, as far as steps reach, (A, 2)."""
+        """Predicted agent of each dancer at the end of the present measure, within the steps' reach [m], (A, 2)."""
         return self._carried.predicted
 
     @property
     def pushes(self) -> int:
-        """Ticks times dancers in which feet had to yield so that nobody touched, since the start."""
+        """Dancer ticks since the start in which a dancer was pushed to avoid contact, at the cost of foot slide."""
         return 0 if self._pushing is None else self._pushing.count
 
-    # -- what a correction may be --------------------------------------------------------------------------------
+    # -- decision ------------------------------------------------------------------------------------------------
 
     def decided(self, begin: Float64, target: Float64, wish: Float64) -> None:
-        """The coming measures are written but for how they are corrected to end at `target` (A, 2) [m], which is as far
-        as steps reach of the way to `wish` (A, 2) [m], where the agents are predicted to be; they `begin` (A, 2) there.
+        """Accept the coming measures, which are complete except for their corrections.
 
-        That is decided in the next tick, or at the line if it comes first: this one has enough to do.
+        They begin at `begin` (A, 2) [m] and should end at `target` (A, 2) [m], the part of the way to the predicted
+        agents `wish` (A, 2) [m] that the steps reach. Corrections are computed in the next tick, to limit the load of
+        this one, or at the line if it comes first.
         """
         self._coming.decided(begin, target, wish)
         self._open = True
 
     def _settle(self) -> None:
-        """Decide how the coming measures are corrected."""
+        """Compute the corrections of the coming measures."""
         self._open = False
         coming, target = self._dancers.coming, self._coming.target
-        end = coming.end_position()  # turned on the feet that carry, the hips end elsewhere
+        end = coming.end_position()  # includes the effect of turns on the support foot
         share = FAITHFUL + (1.0 - FAITHFUL) * self._dancers.variation.obedience
         graph, lock = self._dancers.graph, self._dancers.lock
         settle_ways(
@@ -116,20 +117,21 @@ class Carrying:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def begin_measure(self, *, anew: bool) -> None:
-        """A measure begins; `anew` if somebody is not where the coming measure would have had her."""
+        """Begin a measure; `anew` if a dancer is not where the coming measure was planned to begin."""
         traced = self._coming.traced and not anew
         self._carried.begin_measure(self._dancers.present, self.reference, traced=traced)
         self._begun = self._ended = True
 
     def cross_measure_line(self) -> None:
-        """The measure ends: how far from the predicted agent; then the coming paths are the present ones."""
+        """End the measure: record the lag, and make the coming paths the present ones."""
         if self._open:
             self._settle()
         end_rows(self.lag, self._carried.rows, self._dancers.present.correction)
         self._coming.cross_measure_line()
 
     def tick(self, fraction: float, rate: float) -> None:
-        """One tick at `fraction` of the measure, of which `rate` [1/s] passes; before the dancers' own tick."""
+        """Advance by one tick at `fraction` of the measure, which advances at `rate` [1/s]. Called before the dancers'
+        tick."""
         dancers, carried = self._dancers, self._carried
         self.parting.there(self._free(), ON)
         self._odd = not self._odd and len(carried.node) > CROWD
@@ -155,7 +157,7 @@ class Carrying:
         )  # fmt: skip
 
     def take_along(self, rows: npt.NDArray[np.int64], way: Float64) -> None:
-        """The dancers `rows` (n,), whose own dance nobody sees, go on with it elsewhere by `way` (n, 2) [m]."""
+        """Displace the own dance of the dancers `rows` (n,) by `way` (n, 2) [m]. It must be invisible."""
         carried, coming, dancers = self._carried, self._coming, self._dancers
         past, present, then = dancers.measures()
         take_dance_along(
@@ -164,18 +166,20 @@ class Carrying:
         )  # fmt: skip
 
     def _free(self) -> npt.NDArray[np.int8]:
-        """Where everybody is on the way in and out, as `Entrances.state`; who is taken along by what she answers is in
-        nobody's way: she goes where her leader is, and agents see her."""
+        """Return the states of `Entrances.state`, with dancers moved by a partner response as WAITING.
+
+        Path separation ignores these: they go where their leaders are, and agents avoid them.
+        """
         state, answering = self._motion.entrances.state, self._dancers.answering
         if answering is None or not answering.along.following.any():
             return state
         return np.where(answering.along.following, WAITING, state).astype(np.int8)
 
-    # -- what it costs -------------------------------------------------------------------------------------------
+    # -- statistics ----------------------------------------------------------------------------------------------
 
     def figures(self) -> dict[str, Any]:
-        """By group, of the last measure: obedience, how feet slid while they stood on the average [m/s], and how far
-        dancers ended from their predicted agents [m]; and how often somebody was pushed since the start."""
+        """Return statistics of the last measure by group: obedience, mean slide of standing feet [m/s] and mean lag
+        [m]; and the dancer ticks with a push since the start."""
         names, group = [section.name for section in self._patch.group], self._motion.casting.group
         told: dict[str, Any] = {}
         for index, name in enumerate(names):

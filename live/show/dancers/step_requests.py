@@ -1,4 +1,4 @@
-"""Directions: what people say to groups of dancers while the show runs: steps, sequences, variety, facing."""
+"""Handler for live requests to groups of dancers: steps, sequences, variation, partners and facing."""
 
 from collections.abc import Callable
 from typing import Final
@@ -23,7 +23,7 @@ from live.show.selection.scheduler import Scheduler
 
 
 class Directions:
-    """Gives each such event to the groups it means; what cannot be done is refused and changes nothing."""
+    """Applies each request to its groups. Requests that are impossible are refused and change nothing."""
 
     def __init__(
         self,
@@ -40,14 +40,14 @@ class Directions:
         self._dancers, self._variation = dancers, variation
         self._scheduler, self._interrupts, self._refusals = scheduler, interrupts, refusals
         self.asked: int | None = None
-        """The dancer of whom somebody wants to know why she dances what she dances, None for nobody."""
+        """The dancer (index) whose step choice is explained to an operator, None for none."""
 
     def take_patch(self, fresh: "Directions") -> None:
-        """Know the groups by the names they have now."""
+        """Update the group names."""
         self._groups = fresh._groups
 
     def act(self, event: ControlEvent) -> None:
-        """Let an event of `DIRECTIONS` act."""
+        """Apply an event of `DIRECTIONS`."""
         try:
             _ACTS[type(event)](self, event)
         except (UnknownStep, PersonError) as error:
@@ -62,45 +62,47 @@ class Directions:
         self._interrupts.cue(event)
 
     def _set_sequence(self, event: events.SetSequence) -> None:
-        """Change what a group dances, if its dancers can dance it within two measures; else the dance goes on."""
+        """Change a group's sequence if its dancers can reach it within two measures; else nothing changes."""
         members, graph = self._members(event.group), self._dancers.graph
         wanted = parse_sequence(event.steps, graph.library)
         danced = self._dancers.coming if self._dancers.decided else self._dancers.present
         nodes = danced.node[np.isin(self._group, members)]
         if LiveSequence(graph, []).ask(wanted[: HORIZON + 1], nodes) is None:
-            raise PersonError(f"{event.steps!r} cannot be joined from here", "live dance says what is missing")
+            raise PersonError(f"{event.steps!r} cannot be joined from here", "`live dance` reports what is missing")
         for index in members:
             programme = self._scheduler.programmes[index]
-            if len(members) == 1 or not isinstance(programme, Echo):  # all together, those who echo go on echoing
+            if len(members) == 1 or not isinstance(programme, Echo):  # for all groups, echoes stay echoes
                 programme.dance(wanted)
 
     def _set_motion(self, event: events.SetMotion) -> None:
         members = self._members(event.group)
         if event.parameter not in Variety.names():
-            raise PersonError(f"nothing is called {event.parameter!r}", f"one of {', '.join(sorted(Variety.names()))}")
+            raise PersonError(
+                f"there is no motion parameter {event.parameter!r}", f"one of {', '.join(sorted(Variety.names()))}"
+            )
         if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texturing.bank.count:
-            raise PersonError("there are no recordings to take texture from", "name them under [texture] in the patch")
+            raise PersonError("there are no recordings for the texture", "name them under [texture] in the patch")
         for index in members:
             self._variation.set(event.parameter, event.value, index)
 
     def _set_partner(self, event: events.SetPartner) -> None:
         answering = self._answering()
         if event.parameter not in ("on", "amount", "window", "hands"):
-            raise PersonError(f"nothing of a partner is called {event.parameter!r}", "one of on, amount, window, hands")
+            raise PersonError(f"a partner has no parameter {event.parameter!r}", "one of on, amount, window, hands")
         value = event.value >= 0.5 if event.parameter == "on" else event.value
         answering.change(event.partner, event.parameter, value)
 
     def _pair_partner(self, event: events.PairPartner) -> None:
         answering = self._answering()
         if event.role not in ("leader", "follower"):
-            raise PersonError(f"a partner has no {event.role!r}", "leader or follower")
+            raise PersonError(f"a partner has no role {event.role!r}", "leader or follower")
         for index in answering.find(event.partner):
             path = event.role == "leader" and event.who.strip().casefold() == "path"
             if event.role == "leader" and path != answering.asked[index].by_path:
                 raise PersonError(
                     f"partner {answering.asked[index].name!r} is led by "
-                    f"{'nobody, along ways' if not path else 'dancers'}: its examples are for that alone",
-                    "another [[partner]] in the patch",
+                    f"{'a path' if not path else 'dancers'}: its examples fit only that",
+                    "add another [[partner]] to the patch",
                 )
         answering.change(event.partner, event.role, event.who)
 
@@ -109,7 +111,7 @@ class Directions:
 
     def _answering(self) -> Answering:
         if self._dancers.answering is None:
-            raise PersonError("the show has no partners", "write [[partner]] in the patch")
+            raise PersonError("the show has no partners", "add [[partner]] to the patch")
         return self._dancers.answering
 
     def _set_facing(self, event: events.SetFacing) -> None:
@@ -126,7 +128,7 @@ class Directions:
         self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
 
     def _members(self, name: str) -> list[int]:
-        """The groups that a name means, by index: "" and "*" are all. Raises PersonError if there is no such group."""
+        """Return the indices of the groups with this name; "" and "*" mean all. Raises PersonError for no match."""
         if name in ("", "*"):
             return list(range(len(self._groups)))
         index = self._groups.get(name.casefold())
@@ -148,4 +150,4 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.AskWhy: Directions._ask_why,
 }
 DIRECTIONS: Final = tuple(_ACTS)
-"""The events that `act` takes."""
+"""The events that `act` accepts."""

@@ -1,8 +1,7 @@
-"""Drift: the warp over the whole sequence, by which dancers are slowly ahead and behind, measure after measure (T056).
+"""Timing offsets between dancers: slow random drift (T056) and ripples that run over a group (T051).
 
-Cubic splines through random values, the phase accumulated.
-
-Ripple: a delay that runs over a group, from one side of the stage to the other or outward from a point (T051).
+Drift is a time warp over the whole sequence, made of cubic splines through random values. A ripple delays dancers from
+one side of the stage to the other, or outward from a point.
 """
 
 import re
@@ -22,26 +21,26 @@ Int64 = npt.NDArray[np.int64]
 
 KNOT_LOW: Final = 0.125
 KNOT_HIGH: Final = 0.5
-"""Cycles per measure: dancers drift ahead and behind over two to eight measures."""
+"""Range of drift frequencies [cycles per measure]: one cycle takes two to eight measures."""
 SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
 """Weights of a uniform cubic B-spline's integral over one span."""
 
 
 class Drift:
-    """Where A dancers are in their drifting. To be asked in the order of the measures."""
+    """Drift of A dancers. Measures must be begun in order."""
 
     def __init__(self, count: int, seed: int) -> None:
         self._count, self._seed = count, seed
         self.phase: Float64 = np.zeros(count)
-        """Phase of each dancer's warp when the present measure begins [rad], shape (A,)."""
+        """Phase of each dancer's warp at the beginning of the present measure [rad], shape (A,)."""
         self._knots: Float64 = np.zeros((2, 4, count))
         self._amplitude_knots, self._frequency_knots = self._knots
         self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
         self._knots_of: int | None = None
-        self._passes: Float64 | None = None  # `_passed`, if it is worked out already
+        self._passes: Float64 | None = None  # cached result of `_passed`
 
     def begin_measure(self, measure: int) -> None:
-        """The measure `measure` (from 0) begins: the phase goes on, the splines move on."""
+        """Begin the measure `measure` (from 0): advance the phase and the spline knots."""
         self.phase += self._passed() if self._passes is None else self._passes
         first = 3 if self._knots_of == measure - 1 else 0
         if first:
@@ -54,50 +53,50 @@ class Drift:
         self._passes = None
 
     def foresee(self, measure: int) -> None:
-        """Draw ahead what is needed in `measure` first: three measures before it."""
+        """Draw the knots of `measure`, up to three measures ahead of it."""
         drawn = chance_of(self._seed, Purpose.DRIFT, measure).uniform(0.0, 1.0, (2, self._count))
         drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
         self._drawn = measure, drawn
         self._passes = self._passed()
 
     def _passed(self) -> Float64:
-        """By how much the phase goes on in the present measure [rad], (A,)."""
+        """Return the change of the phase over the present measure [rad], (A,)."""
         return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
 
     def at(self, out: Float64, rows: Int64, fraction: float, most: Float64, liked: Int32, like: Int32) -> None:
-        """How far the dancers `rows` (n,) are ahead (positive) or behind [share of a measure], `out` (n,).
+        """Write the drift of the dancers `rows` (n,), positive ahead [share of a measure], to `out` (n,).
 
-        `most` (A,) is how far each may be; through the measure each goes over from the timing of `liked` (A,) to that
-        of `like` (A,). A(x) sin φ(x): amplitude and frequency are uniform cubic B-splines, which stay between their
-        random values, so |A'| + A φ' < 1 always holds and no clip runs backwards; φ is the integral of 2πf (T056 as
-        corrected).
+        `most` (A,) is the largest drift of each dancer. Over the measure each dancer changes from the timing of dancer
+        `liked` (A,) to that of `like` (A,). The drift is A(x) sin φ(x), where φ is the integral of 2πf (T056 as
+        corrected). A and f are uniform cubic B-splines, which stay between their random values, so |A'| + A φ' < 1
+        always holds and no clip runs backwards.
         """
         drift_ahead(out, rows, fraction, self.phase, self._knots, most, liked, like)
 
 
 SIDES: Final = {"left": (1.0, 0.0), "right": (-1.0, 0.0), "back": (0.0, 1.0), "front": (0.0, -1.0)}
-"""Where a ripple may begin, as the audience sees it, and the way (x, z) that it then runs."""
+"""Sides at which a ripple may begin, as the audience sees them, and the direction (x, z) in which it runs."""
 NARROW: Final = 0.5
-"""A group narrower than this [m] is taken to be so wide: standing on one spot it does not flicker."""
+"""Least extent of a group [m]: narrower groups count as this wide, so that delays do not flicker on one spot."""
 STEP: Final = 1.0 / 16.0
-"""Delays are multiples of this many beats."""
+"""Delays are multiples of this [beats]."""
 _NUMBER: Final = r"[+-]?[0-9]{1,3}(?:\.[0-9]{1,6})?"
 _POINT: Final = re.compile(rf"({_NUMBER})[ ,]+({_NUMBER})")
 
 
 @dataclass(frozen=True, slots=True)
 class Ripple:
-    """How a group's dancers are late after one another."""
+    """A delay that grows over a group, from an origin to the dancer farthest from it."""
 
     beats: float = 0.0
-    """From the first dancer to the last; 0: nobody is late."""
+    """Delay of the last dancer behind the first [beats]; 0 for no ripple."""
     side: str = "left"
-    """The side where it begins, or "centre" for the group's middle, or "" for a point."""
+    """The side where it begins, "centre" for the group's middle, or "" for a point."""
     point: tuple[float, float] = (0.0, 0.0)
     """That point (x, z) [m]."""
 
     def delays(self, place: Float64) -> Float64:
-        """How late dancers at `place` (n, 2) [m] are [beats], shape (n,)."""
+        """Return the delays of dancers at `place` (n, 2) [m] [beats], shape (n,)."""
         if self.beats == 0.0 or len(place) < 2:
             return np.zeros(len(place))
         if self.side in SIDES:
@@ -110,7 +109,7 @@ class Ripple:
 
 
 def parse_ripple(words: str, beats: float) -> Ripple:
-    """The ripple of so many `beats` that begins where the words say; PersonError if they mean no place."""
+    """Return the ripple of `beats` that begins at the place in `words`. Raises PersonError if they name no place."""
     said = " ".join(words.casefold().split())
     if said in SIDES or said == "centre":
         return Ripple(beats, said)
@@ -118,5 +117,5 @@ def parse_ripple(words: str, beats: float) -> Ripple:
         return Ripple(beats, "", (float(match[1]), float(match[2])))
     raise PersonError(
         f"a ripple cannot begin at {words[:60]!r}",
-        "say left, right, front, back, centre, or x z in metres as in '0 -2'",
+        "use left, right, front, back, centre, or x z in metres as in '0 -2'",
     )

@@ -1,8 +1,6 @@
-"""Variation: how dancers of one group dance the same step each in her own way, drawn for every measure (T051-T060).
+"""Random variation of the dancers of a group: timing, amplitude and takes, drawn for every measure (T051-T060).
 
-Draws depend on the seed and the number of the measure alone, so a show is the same live, offline and replayed.
-
-Variety: what may be varied in the dancing of one group, and what a patch says of it (T051-T060).
+Draws depend only on the seed and the measure number, so a show is the same live, offline and replayed.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -24,46 +22,46 @@ from live.show.patch.section_motion import MotionSection
 
 @dataclass(frozen=True, slots=True)
 class Variety:
-    """What may be varied, for one group; the live controls `/dance/motion/...` set the same fields."""
+    """Variation parameters of one group. The live controls `/dance/motion/...` set the same fields."""
 
     warp_beats: float = 0.0
     """Largest time warp [beats] (A_max of T055)."""
     warp_sequence: float = 0.0
     """1: the warp runs over the whole sequence (T056), 0: it ends with each measure (T055)."""
     larger: float = 0.0
-    """By how much everybody's upper body moves more than recorded, all alike."""
+    """Share by which all upper bodies move more than recorded."""
     amplitude: float = 0.0
-    """R_max: how much larger or smaller the upper body moves (T058)."""
+    """R_max: largest random change of the upper body's amplitude (T058)."""
     amplitude_sequence: float = 0.0
-    """1: the amplitude changes slowly over the sequence (T059), 0: anew for each measure (T060)."""
+    """1: the amplitude changes slowly over the sequence (T059), 0: it is drawn for each measure (T060)."""
     mix: float = 0.0
-    """How far another take of the same step is mixed into the whole body at most (T045)."""
+    """Largest weight of another take of the same step in the whole body (T045)."""
     arms: float = 0.0
-    """Share of the dancers whose upper body is that of another take (T044)."""
+    """Share of the dancers whose upper body comes from another take (T044)."""
     head: float = 0.0
-    """How far heads turn to the public (T123-T125)."""
+    """How far heads turn to the audience (T123-T125)."""
     lock: float = 1.0
-    """1: feet that carry stay where they are, and no sole goes below the floor; 0: as the clips have it."""
+    """1: support feet stay in place and no sole goes below the floor (foot lock), 0: feet as in the clips."""
     on_support: float = 1.0
-    """1: dancers turn on the foot that carries (T048-T050), 0: evenly over the measure."""
+    """1: dancers turn on the support foot (T048-T050), 0: evenly over the measure."""
     face_average: float = 0.0
-    """1: a measure's average heading is brought to where the dancer should face (T122), 0: that at its end."""
+    """1: the target heading applies to a measure's average heading (T122), 0: to the heading at its end."""
 
     obedience: float = 0.5
-    """0: steps are danced faithfully, 1: dancers are carried to where the group wants them as far as legs reach."""
+    """0: steps stay as recorded, 1: dancers are moved to the group's targets as far as their legs reach."""
     texture: float = 0.0
-    """How far upper bodies are those of recorded dancers, chosen live by what legs do (P024); 0: as in the steps."""
+    """Weight of upper bodies from recordings, chosen live by leg motion (P024). 0: as in the steps."""
     mirror: float = 0.0
-    """-1: steps as they were made, 1: their mirror images where there are any, 0: both (T042)."""
+    """-1: steps as made, 1: their mirror images where they exist, 0: both (T042)."""
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
-        """The fields, in order."""
+        """Names of the fields, in order."""
         return tuple(field.name for field in fields(cls))
 
 
 def variety_of(section: MotionSection) -> Variety:
-    """What a patch says."""
+    """Return the parameters of a patch's motion section."""
     return Variety(
         warp_beats=section.warp_beats,
         warp_sequence=float(section.warp_over == "sequence"),
@@ -82,7 +80,10 @@ def variety_of(section: MotionSection) -> Variety:
 
 
 def varieties_of(patch: Patch) -> list[Variety]:
-    """What a patch says of each group; a group that mirrors another one dances mirror images, and that one none."""
+    """Return the parameters of each group of a patch.
+
+    A group that mirrors another dances mirror images only; the other, unless its patch says so, dances none.
+    """
     varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
     for index, section in enumerate(patch.group):
         obedience = patch.locomotion.obedience if section.obedience is None else section.obedience
@@ -103,19 +104,19 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 STEEPEST: Final = 0.9
-"""A time warp changes the speed of a clip by this share at most (T054: below 1, or it would run backwards)."""
+"""Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
 LATEST: Final = 0.95
-"""Share of a measure by which anybody may be late."""
+"""Largest delay, as a share of a measure."""
 MOST_LATER: Final = 0.2
-"""Share of a measure by which lateness may change within one measure, where no warp changes the speed as well."""
+"""Largest change of a delay within one measure, as a share of a measure, where no warp changes the speed as well."""
 SLOWEST: Final = 0.15
-"""No dancer gets slower than this share of her clip's speed while it does."""
+"""Lowest clip speed while a delay changes, as a share of the normal speed."""
 FARTHEST: Final = 0.12
-"""Share of a measure that drift is ahead or behind at most: less than the beat by which steps are decided."""
+"""Largest drift ahead or behind, as a share of a measure: less than the beat by which steps are decided."""
 
 
 def ripples_of(patch: Patch) -> list[Ripple]:
-    """What a patch lets run over each group; PersonError for a ripple that begins nowhere."""
+    """Return the ripple of each group of a patch. Raises PersonError for a ripple with an unknown origin."""
     ripples = []
     for index, section in enumerate(patch.group):
         with named(f"group {section.name!r}", ("group", index, "ripple")):
@@ -124,7 +125,7 @@ def ripples_of(patch: Patch) -> list[Ripple]:
 
 
 class Variation:
-    """The varieties of all groups, and what is drawn from them for every dancer and measure."""
+    """Variation parameters of all groups, and the draws for every dancer and measure."""
 
     def __init__(
         self,
@@ -139,8 +140,8 @@ class Variation:
     ) -> None:
         """`group` (A,) is shared with the show, which calls `regrouped` when it has changed.
 
-        `late`: beats by which each group dances behind the others (canon, T147), less than a measure; `ripples`: what
-        runs over the groups beside that.
+        `late`: delay of each group [beats] (canon, T147), less than a measure; `ripples`: additional delays within
+        each group.
         """
         self._varieties = varieties
         self._group = group
@@ -150,14 +151,14 @@ class Variation:
         self._window = window
         count = len(group)
         self.drift = Drift(count, seed)
-        """The warp over the whole sequence of each dancer (T056)."""
+        """Time warp of each dancer over the whole sequence (T056)."""
         self.measure = 0
         self.ripples = list(ripples or [Ripple()] * len(varieties))
-        """What runs over each group."""
-        self._written, self._rippled = tuple(varieties), tuple(self.ripples)  # as the patch has them
+        """Ripple of each group."""
+        self._written, self._rippled = tuple(varieties), tuple(self.ripples)  # as in the patch
         self.late: Float64 = self._late[group]
-        """Share of a measure by which each dancer is behind the others on purpose when the present measure ends
-        (canon and ripple), shape (A,)."""
+        """Intended delay of each dancer at the end of the present measure (canon and ripple), as a share of a measure,
+        shape (A,)."""
         self._late_before = self.late.copy()
         self._like = self._liked = np.arange(count, dtype=np.int32)
         self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
@@ -167,7 +168,7 @@ class Variation:
 
     @classmethod
     def of(cls, patch: Patch, group: Int32, *, seed: int, window: float) -> "Variation":
-        """What a patch says of its groups; `group` (A,) as in the constructor."""
+        """Create the variation of a patch; `group` (A,) as in the constructor."""
         beats = patch.clock.beats_per_measure
         return cls(
             varieties_of(patch),
@@ -180,19 +181,19 @@ class Variation:
         )
 
     def regrouped(self) -> None:
-        """Take up which group everybody is in, and what the groups want."""
+        """Update the values of each dancer from the groups' parameters and members."""
         for name in Variety.names():
             values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
             setattr(self, name, values[self._group])
         self._drifts = bool(self.warp_sequence.any())
-        # how far each dancer may drift [share of a measure], (A,)
+        # largest drift of each dancer [share of a measure], (A,)
         self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
         self.obeys = bool(self.obedience.any())
-        """Whether anybody is carried elsewhere within the measure."""
+        """Whether any dancer has obedience above 0."""
         self.textures = bool(self.texture.any())
-        """Whether anybody's upper body is to be textured."""
+        """Whether any dancer's upper body is textured."""
         self.locks = bool(self.lock.any())
-        """Whether anybody's feet are held."""
+        """Whether any dancer has foot lock."""
 
     # the fields of Variety for each dancer, shape (A,)
     warp_beats: Float64
@@ -212,13 +213,13 @@ class Variation:
 
     @property
     def sides(self) -> Int32:
-        """The side each dancer wants, -1 as made, 1 mirrored, 0 no matter, shape (A,)."""
+        """Side that each dancer wants: -1 as made, 1 mirrored, 0 either, shape (A,)."""
         return np.sign(self.mirror).astype(np.int32)
 
     def take_patch(self, fresh: "Variation") -> None:
-        """Take over what another patch says otherwise than this one's; what was set live beside that stays.
+        """Apply the fields that differ between the old and the new patch. Values set live stay otherwise.
 
-        `fresh` is the variation of a show that has not run.
+        `fresh` is the variation of a show with the new patch that has not run.
         """
         for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
             edited = {name: getattr(new, name) for name in Variety.names() if getattr(new, name) != getattr(old, name)}
@@ -231,25 +232,25 @@ class Variation:
         self.regrouped()
 
     def set(self, name: str, value: float, group: int) -> None:
-        """Set one field of one group, by its index; it acts on what is drawn from now on."""
+        """Set one field of one group, by its index, for all later draws."""
         self._varieties[group] = replace(self._varieties[group], **{name: value})
         self.regrouped()
 
     @property
     def varieties(self) -> list[Variety]:
-        """What each group wants now."""
+        """Current parameters of each group."""
         return list(self._varieties)
 
     def take(self, varieties: list[Variety]) -> None:
-        """Set all fields of all groups; they act on what is drawn from now on."""
+        """Set all fields of all groups, for all later draws."""
         self._varieties[:] = varieties
         self.regrouped()
 
     def draw(self, measure: int, danced: Danced) -> None:
-        """Vary the measure numbered `measure` (from 0), whose nodes are chosen already."""
+        """Write the variation of measure `measure` (from 0) into `danced`, whose nodes are chosen already."""
         count = len(self._group)
         chance = chance_of(self._seed, Purpose.MEASURE, measure)
-        # everything is drawn for everybody, so that one control never changes another's chances
+        # everything is drawn for all dancers, so that no control changes the random numbers of another
         warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
         amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
         most = self.warp_beats / self._beats * (self.warp_sequence == 0.0)
@@ -272,33 +273,33 @@ class Variation:
         danced.amplitude *= 1.0 + self.larger
 
     def _slow_amplitude(self, measure: int) -> Float64:
-        """Amplitude at the line before `measure`, (A,): values repeated two by two (T059).
+        """Amplitude at the line before `measure`, (A,): each value is used for two lines (T059).
 
-        Between equal values the monotone cubic (PCHIP) through them is flat, so between unequal ones it is an ease.
+        The monotone cubic (PCHIP) is flat between equal values, so it eases between different ones.
         """
         chance = chance_of(self._seed, Purpose.AMPLITUDE, measure // 2)
         return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
 
     def begin_measure(self, measure: int) -> None:
-        """The measure `measure` (from 0) begins."""
+        """Begin the measure `measure` (from 0)."""
         self.measure = measure
         self.drift.begin_measure(measure)
 
     def sequence_warp(self, fraction: float, rows: Int64 | None = None) -> Float64:
-        """How far each dancer, or each of `rows` (n,), is ahead (positive) or behind [share of a measure] at `fraction`
-        of it, (A,) or (n,)."""
+        """Drift of all dancers, (A,), or of `rows` (n,), at `fraction` of the measure [share of a measure], positive
+        ahead."""
         rows = self._everybody if rows is None else rows
         ahead = np.empty(len(rows))
         self.drift.at(ahead, rows, fraction, self._farthest, self._liked, self._like)
         return ahead
 
-    # -- lateness on purpose: canon and ripple --------------------------------------------------------------------
+    # -- intended delays: canon and ripple ------------------------------------------------------------------------
 
     def phases(self, out: Float64, fraction: float, warp: Float64, rows: Int64 | None = None) -> tuple[float, float]:
-        """How far everybody is in a measure warped by `warp` (4, A) at `fraction` of the present one, into `out` (A,).
+        """Write the phases in a measure warped by `warp` (4, A) at `fraction` of the present one into `out` (A,).
 
-        Drift over the sequence and lateness on purpose are in. With `rows` (n,) for these alone, into `out` (n,).
-        Returns the lowest and the highest.
+        Drift and intended delays are included. With `rows` (n,), only for these dancers, into `out` (n,). Returns the
+        lowest and the highest phase.
         """
         ahead, before, late = self._even, self._late_before, self.late
         if rows is not None:
@@ -308,10 +309,10 @@ class Variation:
         return delay_phases(out, fraction, warp, self._window, ahead, before, late)
 
     def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
-        """A measure begins: how late everybody shall be when it ends, by where they are, `place` (A, 2) [m].
+        """Set the delays at the end of the measure that begins, from the positions `place` (A, 2) [m].
 
-        `like` (A,) says whose timing each dancer has (partners'), `there` (A,) who is on the stage. Nobody's lateness
-        changes faster than the measure `danced` now, with its warp, can take up.
+        `like` (A,) is the dancer whose timing each dancer uses (partners), `there` (A,) whether they are on the stage.
+        Delays change no faster than the measure `danced`, with its warp, allows.
         """
         if like is not self._like:
             self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)

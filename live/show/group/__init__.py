@@ -1,1 +1,1 @@
-"""The motion of groups in a show: formations, evolutions, elements. It may import what `show` may."""
+"""Group motion of a show: formations, evolutions and elements. It may import what `show` may."""

@@ -1,4 +1,5 @@
-"""Rehearsing: the score's evolutions gone through beforehand: what is too far for the steps, who would meet (T088)."""
+"""Dry run of a score's evolutions: warns of ways too long for the steps, collisions and formations off the stage
+(T088)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,21 +13,21 @@ from live.show.patch.score_checks import written_length
 from live.show.show import Show
 
 LONGEST = 400
-"""Measures that are gone through at most."""
+"""Most measures of a dry run."""
 NEARLY = 0.1
-"""So much more than the steps reach [m] nobody sees."""
+"""Tolerance beyond the steps' reach [m]: so small an error is invisible."""
 TOLD = 6
-"""Warnings of each kind at most."""
+"""Most warnings of each kind."""
 
 
 def rehearsal_notes(show: Show) -> list[str]:
-    """What a choreographer should know of the segments of a fresh show, a line each; measures count from 1."""
+    """Return warnings about the segments of a fresh show, one line each; measures count from 1."""
     patch, evolutions = show.patch, show.motion.evolutions
     if not patch.segment:
         return []
     length = written_length(patch)
     measures = min(length or max(s.measure + s.measures for s in patch.segment), LONGEST)
-    if patch.section and length is not None:  # as it is written, every section once
+    if patch.section and length is not None:  # as written, every section once
         show.playhead.loop((0, length - 1))
     segments = [segment for measure in range(measures) for segment in evolutions.score_of(measure)]
     rehearsal = rehearse(
@@ -58,7 +59,7 @@ def rehearsal_notes(show: Show) -> list[str]:
 
 
 def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str]:
-    """Who would meet on their ways: of each segment the nearest two, and how many more."""
+    """Return warnings about dancers who would meet: the nearest pair of each segment, and the number of others."""
     met: dict[int, list[TooNear]] = {}
     for one in pairs:
         met.setdefault(_segment_of(show, segments, one), []).append(one)
@@ -77,7 +78,7 @@ def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str
 
 
 def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
-    """Index of the segment in which two dancers meet: the last to begin of those that have the first; -1 for none."""
+    """Return the index of the segment in which two dancers meet, -1 for none: the last to begin that may move them."""
     beats, casting = show.patch.clock.beats_per_measure, show.casting
     found = -1
     for number, segment in enumerate(segments):
@@ -89,7 +90,7 @@ def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
 
 
 def _formation_notes(show: Show) -> list[str]:
-    """What is to be said of the formations for as many dancers as they are made for: too tight, off the stage."""
+    """Return warnings about formations that are too tight or off the stage for their number of dancers."""
     notes = []
     stage = show.patch.stage
     for section in show.patch.segment:
@@ -118,7 +119,10 @@ def _dancers(count: int) -> str:
 
 
 def _blocked(show: Show, places: npt.NDArray[np.float32], under: npt.NDArray[np.bool_]) -> list[str]:
-    """Which items of the set lie in the ways of a measure; `places` (M + 1, A, 2) [m] at its lines, `under` (M, A)."""
+    """Return warnings about items of the set in the dancers' ways.
+
+    `places` (M + 1, A, 2) [m] at the measure lines; `under` (M, A): whether a dancer is under a segment.
+    """
     notes = []
     things = [
         (item.name, LineString([item.at, item.wall_to]) if item.wall_to else Point(item.at), item.radius)

@@ -1,8 +1,6 @@
-"""Elements: the procedural elements of a show, put there by the score or live, each for its own group (T105-T110).
+"""Procedural elements of a show: force fields placed by the score or live, each for a group (T105-T110, T132).
 
-Elements as patches and controls say them, as values for the field (T105-T110, T132).
-
-Addressees: for whom each element is, as bits of a mask per dancer (T104, T105: per subgroup).
+The group of an element is a bit in a mask per dancer (T104, T105: per subgroup).
 """
 
 import math
@@ -27,12 +25,12 @@ from live.show.score.score import Score
 
 ElementEvent = events.Attract | events.Repel | events.Spread | events.Voice | events.PlaceElement
 VOICE_MEASURES: Final = 2.0
-"""How long a voice of the audience is heard if it is not raised again."""
+"""Duration of an audience voice's element if it is not repeated [measures]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placing:
-    """One element as it was asked for: what, for whom (in words), how long; not yet when."""
+    """A request for an element: kind, group (as an expression) and duration, but no start time."""
 
     kind: str
     points: Points = ((0.0, 0.0),)
@@ -46,9 +44,9 @@ class Placing:
     fair: bool = False
 
     def element(self, *, groups: int, target_group: int, source: str, start: float, beats_per_measure: int) -> Element:
-        """The element from the beat `start` on; PersonError if it has no meaning.
+        """Return the element from the beat `start` on. Raises PersonError if it is invalid.
 
-        `groups`: the mask of those it addresses; `target_group`: the bit of the group `whom`, -1 if that is a number.
+        `groups`: mask of the addressed groups; `target_group`: bit of the group `whom`, -1 if that is a number.
         """
         return Element(
             kind=KIND_NAMES[self.kind],
@@ -68,12 +66,12 @@ class Placing:
 
     @property
     def dancer(self) -> int:
-        """Index of the dancer that `whom` numbers, -1 if it numbers none."""
+        """Index of the dancer whose number is `whom`, -1 if it is no number."""
         return int(self.whom) - 1 if self.whom.isdecimal() and len(self.whom) < 7 else -1
 
 
 def placing_of_section(section: ElementSection) -> Placing:
-    """What an element of the score asks for."""
+    """Return the request of an element section of the score."""
     points = section.points or ((section.at,) if section.to is None else (section.at, section.to))
     return Placing(
         section.kind,
@@ -89,7 +87,7 @@ def placing_of_section(section: ElementSection) -> Placing:
 
 
 def placing_of_event(event: ElementEvent) -> Placing:
-    """What a control asks for; PersonError for points that are none."""
+    """Return the request of a control event. Raises PersonError for an unknown kind or invalid points."""
     match event:
         case events.Attract() | events.Repel():
             kind = "attract" if isinstance(event, events.Attract) else "repel"
@@ -116,7 +114,7 @@ def placing_of_event(event: ElementEvent) -> Placing:
 
 
 def points_of(text: str) -> Points:
-    """Points written as "x z, x z" [m]; PersonError for anything else."""
+    """Parse points written as "x z, x z" [m]. Raises PersonError for anything else."""
     try:
         numbers = [[float(word) for word in pair.split()] for pair in text.replace(";", ",").split(",")]
     except ValueError:
@@ -133,9 +131,9 @@ BITS: Final = 64
 
 
 class Addressees:
-    """Gives each wording of a group a bit, and each dancer the bits of the groups she belongs to.
+    """Assigns a bit to each group expression, and a mask of these bits to each dancer.
 
-    Words that mean places are answered once, when they are asked; all others follow who is in which group.
+    Expressions with places are evaluated once. All others are updated when dancers change their groups.
     """
 
     def __init__(self, casting: Casting) -> None:
@@ -143,19 +141,19 @@ class Addressees:
         self._words: list[str | None] = [None] * BITS
         self._lasting = [False] * BITS
         self.bits: UInt64 = np.zeros(len(casting.group), np.uint64)
-        """The groups of each dancer, shape (A,)."""
+        """Mask of the groups of each dancer, shape (A,)."""
 
     def mask(self, words: str, position: Places, used: int) -> int:
-        """The mask of an element for the dancers that `words` mean; `used`: bits that elements in force have.
+        """Return the mask of an element for the dancers that `words` select; `used`: bits of active elements.
 
-        Raises PersonError for words that mean nobody there is, and when there are too many groups at a time.
+        Raises PersonError for unknown words, and for too many groups at a time.
         """
         if words.strip() in EVERYONE:
             return EVERYBODY
         return 1 << self.bit(words, position, used)
 
     def bit(self, words: str, position: Places, used: int) -> int:
-        """Number of the bit of these words; raises as `mask` does."""
+        """Return the bit number of these words. Raises as `mask` does."""
         folded = words.casefold().strip()
         who = self._casting.select(words, position)
         lasting = not self._casting.means_places(words)
@@ -171,7 +169,7 @@ class Addressees:
         return free
 
     def regrouped(self, position: Places) -> None:
-        """Answer all words anew that do not mean places."""
+        """Evaluate all expressions without places again."""
         for number, words in enumerate(self._words):
             if words is not None and self._lasting[number]:
                 self._write(number, self._casting.select(words, position))
@@ -185,11 +183,11 @@ class Addressees:
 Float32 = npt.NDArray[np.float32]
 
 SCORE: Final = "score"
-"""The source of what the score places."""
+"""Source name of the score's elements."""
 
 
 class Elements:
-    """The elements of one show: from the patch's score at their measures, from controls now or at the next line."""
+    """The elements of one show. The score's begin at their measures, those of controls now or at the next line."""
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
@@ -209,18 +207,18 @@ class Elements:
         self._placed = -1
         self._of_line: list[Element] = []
         self.gain = 1.0
-        """How much stronger elements are that begin from now on."""
-        for index, section in enumerate(patch.element):  # whatever is wrong is told at the start, not in measure 200
+        """Strength factor of elements that begin from now on."""
+        for index, section in enumerate(patch.element):  # errors are reported at the start, not in measure 200
             with named(f"element in measure {section.measure:g}", ("element", index)):
                 self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
 
     def take_patch(self, fresh: "Elements") -> None:
-        """Answer anew who is meant by groups that have other names or members now."""
+        """Evaluate group expressions again, as names or members may have changed."""
         self._addressees.regrouped(np.zeros((len(self._ahead), 2), np.float32))
 
     @property
     def influence(self) -> Float32:
-        """How far elements have taken each agent from her plan, 0 to 1, shape (A,)."""
+        """Total influence of elements on each agent, 0 to 1, shape (A,)."""
         return self._field.influence
 
     @property
@@ -229,7 +227,7 @@ class Elements:
         return self._field.elements
 
     def attractor_of(self, dancer: int) -> npt.NDArray[np.float64] | None:
-        """The middle of the newest attractor for that dancer [m], (2,); None if there is none."""
+        """Return the centre of the newest attractor for a dancer [m], (2,); None if there is none."""
         bits = int(self._addressees.bits[dancer])
         for element in reversed(self._field.elements):
             if element.kind in (ATTRACTOR, VOICE) and (element.groups == EVERYBODY or element.groups & bits):
@@ -238,14 +236,14 @@ class Elements:
         return None
 
     def begin_measure(self, measure: int, beat: float, beats_per_measure: int, position: Float32) -> None:
-        """Put the score's elements in force that begin in `measure` (from 0), whose line is or will be at `beat`.
+        """Place the score's elements that begin in `measure` (from 0), whose line is or will be at `beat`.
 
-        To be called when the measure begins, and before if somebody looks ahead; the first call counts.
+        Called when the measure begins, and earlier by the look-ahead. Only the first call has an effect.
         """
         if measure <= self._placed:
             return
         self._placed = measure
-        if measure >= 0 and self._score.playhead.jumped(measure):  # what the score had elsewhere is over
+        if measure >= 0 and self._score.playhead.jumped(measure):  # elements from before the jump end
             self._field.end(beat, source=SCORE)
         self._of_line.clear()
         for section in self._score.elements(measure):
@@ -254,7 +252,7 @@ class Elements:
             self._of_line.append(placed)
 
     def withdraw(self, measure: int) -> None:
-        """Take back what was put there ahead of time for `measure`, which has not begun."""
+        """Remove the elements placed ahead of time for `measure`, which has not begun."""
         if measure > self._placed:
             return
         self._placed = measure - 1
@@ -265,7 +263,7 @@ class Elements:
     def act(
         self, event: ElementEvent, *, beat: float, next_line: float, beats_per_measure: int, position: Float32
     ) -> None:
-        """Let an event place its element at `beat`, or at the next line; PersonError if it means nothing."""
+        """Place the element of an event at `beat`, or at the next line. Raises PersonError if it is invalid."""
         placing = placing_of_event(event)
         voice = isinstance(event, events.Voice)
         later = not isinstance(event, events.Voice) and event.next
@@ -278,7 +276,7 @@ class Elements:
             )
             return
         placed = self._place(placing, event.source, start, beats_per_measure, position)
-        if len(self._last_of) > 4096:  # as many as there may be senders of voices
+        if len(self._last_of) > 4096:  # bounds memory for many senders
             self._last_of.clear()
         self._last_of[event.source] = placed
 
@@ -305,7 +303,7 @@ class Elements:
         return element
 
     def _used(self) -> int:
-        """The bits of groups that elements in force have."""
+        """Return the bits of groups that active elements use."""
         used = 0
         for element in self._field.elements:
             if element.groups != EVERYBODY:
@@ -315,12 +313,15 @@ class Elements:
         return used
 
     def has(self, source: str) -> bool:
-        """Whether an element of this source is in force."""
+        """Whether an element of this source is active."""
         return any(element.source == source for element in self._field.elements)
 
     def forget(self, source: str, beat: float, *, other: bool | None = None, at_once: bool = False) -> None:
-        """Let what `source` has placed fade out; `other`: only where it is no repulsor (true) or is one (false);
-        `at_once`: as if it had never been."""
+        """Fade out the elements of `source`.
+
+        `other`: only if its last one is not a repulsor (true) or is one (false). `at_once`: remove the last one without
+        a fade.
+        """
         last = self._last_of.get(source)
         if last is None or (other is not None and (last.table_kind == REPULSOR) == other):
             return
@@ -331,32 +332,32 @@ class Elements:
             self._field.end(beat, source=source)
 
     def clear(self, beat: float) -> None:
-        """Let every element fade out from `beat` on, from the level it has; those yet to come never begin."""
+        """Fade out all elements from `beat` on, from their present levels. Elements that have not begun are removed."""
         self._field.clear(beat)
 
     def end_of(self, source: str, beat: float) -> None:
-        """Let what this source has placed fade out from `beat` on, from the level it has."""
+        """Fade out the elements of this source from `beat` on, from their present levels."""
         if self._last_of.pop(source, None) is not None:
             self._field.end(beat, source=source)
 
     def regrouped(self, position: Float32) -> None:
-        """Dancers have changed their groups."""
+        """Update the masks after dancers have changed their groups."""
         self._addressees.regrouped(position)
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """The stage's half sizes [m] are these from now on."""
+        """Set the stage's half sizes [m]."""
         self._field.resize(half_width, half_depth)
 
     # -- each tick -----------------------------------------------------------------------------------------------
 
     def refresh(self, beat: float, wants: Wants, state: AgentState) -> None:
-        """Once a tick, before `wish`: which elements act at `beat`."""
+        """Update which elements act at `beat`. Called once a tick, before `wish`."""
         self._field.refresh(beat, wants, state, self._addressees.bits)
 
     def wish(self, wants: Wants, state: AgentState, *, time: float, beat: float, ahead: bool) -> None:
-        """Blend what the elements wish at `beat` of agents in `state` into `wants`.
+        """Blend the elements' influence at `beat` on agents in `state` into the commands `wants`.
 
-        `ahead`: on a copy and later than now; `refresh` has to come before the next wish that is meant.
+        `ahead`: for the look-ahead, on a copy; `refresh` must be called before the next call without it.
         """
         influence = self._ahead if ahead else None
         if ahead:
@@ -364,5 +365,5 @@ class Elements:
         self._field.wish(wants, state, self._addressees.bits, time=time, influence=influence)
 
     def show(self, view: StageView) -> None:
-        """Copy what acts now into the drawing snapshot."""
+        """Copy the acting elements into the drawing snapshot."""
         self._field.show(view)

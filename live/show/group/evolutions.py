@@ -1,7 +1,4 @@
-"""Evolutions: the formations and segments of a show, from its score or asked for live (T085-T089, T095-T103).
-
-Segments as patches and controls say them, as values for the plan (T085, T095-T103).
-"""
+"""Evolutions of a show: segments from the score or from live controls, run by a plan (T085-T089, T095-T103)."""
 
 import math
 from collections.abc import Mapping
@@ -48,7 +45,7 @@ SegmentEvent = events.Evolve | events.Travel | events.Pause
 
 
 def matching_of(word: str) -> Matching:
-    """Who goes where, by a patch's or control's word; PersonError for others."""
+    """Return the slot assignment named by a patch or control. Raises PersonError for other words."""
     if word == "number":
         return Matching(by=By.ID)
     try:
@@ -58,12 +55,12 @@ def matching_of(word: str) -> Matching:
 
 
 def everyone(words: str) -> str:
-    """The expression of a plan for the words of a patch or control: "*" is everybody."""
+    """Return a plan's selection expression for the words of a patch or control; "*" becomes ""."""
     return "" if words.strip() in EVERYONE else words.casefold().strip()
 
 
 def segment_of_section(section: SegmentSection, *, start: int, formation: str, path: str) -> Segment:
-    """The segment of the score from measure `start` (from 0) on; its formation and path under these names."""
+    """Return the score's segment from measure `start` (from 0) on, with these names of its formation and path."""
     orientation = Orientation(
         Facing(section.facing or ("tangent" if section.path is not None else "linear")),
         tuple(math.radians(heading) for heading in section.headings_deg),
@@ -94,8 +91,10 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
 
 
 def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: str) -> tuple[Segment, Float64 | None]:
-    """The segment that a control asks for, with the name its formation has in the plan, and the way it draws, to be
-    kept as `path`; PersonError if it draws none."""
+    """Return the segment of a control and the path it draws, to be stored as `path`, if any.
+
+    `formation` is the formation's name in the plan. Raises PersonError for invalid points of a path.
+    """
     group, measures = everyone(event.group), max(1, math.ceil(event.measures - 1e-9))
     match event:
         case events.Evolve():
@@ -112,16 +111,16 @@ Float32 = npt.NDArray[np.float32]
 Bool = npt.NDArray[np.bool_]
 
 LIVE_WAYS: Final = 16
-"""Ways drawn live that are kept; the oldest gives way."""
+"""Most paths drawn live that are kept; a new one replaces the oldest."""
 
 
 class Evolutions:
-    """The running plan of a show. Beats are danced beats: (measure + how far it is) times the beats of a measure."""
+    """The running plan of a show. Beats are danced beats: (measure + fraction) times the beats of a measure."""
 
     def __init__(
         self, patch: Patch, casting: Casting, *, radius: Float32, seed: int, score: Score | None = None
     ) -> None:
-        """PersonError for a formation, way or group that cannot be."""
+        """Create the plan of a patch. Raises PersonError for an invalid formation, path or group."""
         self._patch, self._casting = patch, casting
         self._score = score or Score(patch)
         self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
@@ -132,10 +131,10 @@ class Evolutions:
         self._added = self._measure = -1
         self._of_line: list[Segment] = []
         self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
-        self._heading: Float64 | None = None  # as dancers faced at the line, until the next measure is looked at
+        self._heading: Float64 | None = None  # headings at the line, until the next measure is prepared
         self._ways = 0
         claims = Claims(patch, casting)
-        for index, section in enumerate(patch.segment):  # whatever is wrong is told at the start, not in measure 200
+        for index, section in enumerate(patch.segment):  # errors are reported at the start, not in measure 200
             with named(f"segment in measure {section.measure}", ("segment", index)):
                 if section.formation is not None:
                     self._name(section.formation)
@@ -148,9 +147,9 @@ class Evolutions:
         check_called(patch, claims, self._formations.find)
 
     def take_patch(self, fresh: "Evolutions") -> None:
-        """Take over the formations of another patch; who is in one that was edited goes to its new places.
+        """Apply the formations of another patch. Dancers in an edited one go to its new places.
 
-        Formations that were defined live, and are not in the patch, stay.
+        Formations that were defined live and are not in the patch stay.
         """
         for formation in self._formations.take_patch(fresh._formations):
             if formation.name in self._plan.repertoire.formations:
@@ -159,7 +158,7 @@ class Evolutions:
         self.regrouped()
 
     def starting_places(self) -> Float64:
-        """Where the dancers of all groups begin, one group after the other, (dancers, 2) [m]."""
+        """Return the starting places of all groups' dancers, one group after the other, (dancers, 2) [m]."""
         places = []
         for index, section in enumerate(self._patch.group):
             with named(f"group {section.name!r}", ("group", index, "formation")):
@@ -167,14 +166,14 @@ class Evolutions:
         return np.concatenate(places)
 
     def _beginning(self, section: GroupSection) -> Float64:
-        """Where the dancers of a group begin, (dancers, 2) [m]; two partners have one place."""
+        """Return the starting places of a group's dancers, (dancers, 2) [m]. Partners share a place."""
         if section.partners is None:
             return self._formations.beginning(section)
         pairs = section.model_copy(update={"dancers": (section.dancers + 1) // 2})
         return np.repeat(self._formations.beginning(pairs), 2, axis=0)[: section.dancers]
 
     def _name(self, words: str, *, live: bool = False) -> str:
-        """The name under which the plan finds the formation that `words` name or say."""
+        """Return the plan's name of the formation with this name or notation, and add it to the repertoire."""
         formation = self._formations.find(words, live=live)
         if self._plan.repertoire.formations.get(formation.name) is not formation:
             self._plan.repertoire = self._plan.repertoire.with_formation(formation)
@@ -191,7 +190,7 @@ class Evolutions:
         self._added = max(self._added, measure)
 
     def withdraw(self, measure: int) -> None:
-        """The score goes on elsewhere with `measure`, which has not begun: plan its segments in place of the old."""
+        """Replace the planned segments of `measure`, which has not begun, after the score has jumped."""
         if measure > self._added:
             return
         self._plan.withdraw(self._of_line)
@@ -199,7 +198,7 @@ class Evolutions:
         self._take_up(measure)
 
     def score_of(self, measure: int) -> list[Segment]:
-        """The segments that the score has for `measure` (from 0); their names are in the repertoire then."""
+        """Return the score's segments for `measure` (from 0), and add their formations and paths to the repertoire."""
         segments = []
         for index, section in enumerate(self._score.segments(measure)):
             formation = "" if section.formation is None else self._name(section.formation)
@@ -210,17 +209,17 @@ class Evolutions:
         return segments
 
     def formation(self, words: str, count: int) -> Formation:
-        """The formation that `words` name or say, for `count` dancers, with what is to be said of it."""
+        """Return the formation with this name or notation for `count` dancers, with its warnings."""
         named_formation = self._formations.find(words)
         return formation_of(named_formation.spec, count, named_formation.seed)
 
     @property
     def repertoire(self) -> Repertoire:
-        """The formations and ways that segments refer to."""
+        """The formations and paths that segments refer to."""
         return self._plan.repertoire
 
     def begin_measure(self, measure: int, position: Float32, heading: Float64, available: Bool) -> None:
-        """The segments of `measure` (from 0) begin, from where the dancers `available` (A,) are now."""
+        """Begin the segments of `measure` (from 0) for the dancers `available` (A,), from where they are now."""
         self._measure = measure
         if measure < 0:
             return
@@ -232,14 +231,15 @@ class Evolutions:
         self._next, self._heading, self._fresh = measure + 1, heading, True
 
     def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
-        """Begin to work out, ahead of time, what begins with `measure`, from foreseen places and headings."""
+        """Begin to compute the segments of `measure` ahead of time, from predicted places and headings."""
         if measure >= 0:
             self._plan.prepare(measure, position, heading)
 
     # -- live ----------------------------------------------------------------------------------------------------
 
     def act(self, event: SegmentEvent, *, measure: int, beat: float, position: Float32, heading: Float64) -> None:
-        """Let an event act at the danced `beat`, in `measure`, or at its end; PersonError if it asks for nothing."""
+        """Apply an event at the danced `beat`, in `measure`, or at its end. Raises PersonError for an empty or invalid
+        request."""
         if not self._casting.select(event.group, position).any():
             raise PersonError(f"nobody is {event.group!r} now")
         way = f"live {self._ways % LIVE_WAYS}"
@@ -254,36 +254,36 @@ class Evolutions:
             self._plan.start_now(segment, beat, position, heading)
 
     def define(self, event: events.DefineFormation, *, measure: int) -> None:
-        """Make or change a formation by name, within `measure`; whoever is in it goes to its new places (T087)."""
+        """Define or replace a formation by name, within `measure`. Dancers in it go to its new places (T087)."""
         self._take(self._formations.define(event.name, event.formation), measure)
 
     @property
     def formations(self) -> dict[str, NamedFormation]:
-        """All formations that have a name, by it."""
+        """All named formations, by case-folded name."""
         return self._formations.named
 
     def restore(self, formations: Mapping[str, NamedFormation | None]) -> None:
-        """Formations by name are those of before again; None: there is none of that name any more."""
+        """Set formations, by case-folded name, to earlier ones; None removes a name."""
         for name, formation in formations.items():
             self._formations.restore(name, formation)
             if formation is not None:
                 self._take(formation, self._measure)
 
     def _take(self, formation: NamedFormation, measure: int) -> None:
-        """Whoever is in the formation of this name goes to its new places, from `measure` + 1 on."""
+        """Put the formation into the repertoire. Dancers in it go to its new places from `measure` + 1 on."""
         self._plan.repertoire = self._plan.repertoire.with_formation(formation)
         self._move_to(formation.name, measure + 1)
 
     def _move_to(self, name: str, measure: int) -> None:
-        """Whoever is in the formation of this name, or on the way there, goes to its places from `measure` on."""
+        """Send dancers in the formation `name`, or on the way there, to its places from `measure` on."""
         for motion in self._plan.motions:
             if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == name:
                 self._plan.add(replace(motion.segment, start=max(measure, 0), later=0.0))
 
     def resize(self, half: tuple[float, float], fitting: Float64 | None, *, measure: int) -> None:
-        """The stage has these half sizes [m] within `measure`; formations have `fitting` (2,) [m], None: their room.
+        """Set the stage's half sizes [m] within `measure`, and fit formations to `fitting` (2,) [m] or to none (None).
 
-        Whoever is in one, or on the way there, goes to its new places.
+        Dancers in a formation, or on the way there, go to its new places.
         """
         self._plan.resize(half)
         if not self._formations.fit(fitting):
@@ -293,36 +293,38 @@ class Evolutions:
                 self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
 
     def release(self, who: Bool) -> None:
-        """What these dancers (A,) have now is over."""
+        """End the running segments of the dancers in the mask `who` (A,)."""
         self._plan.release(who)
 
     def clear(self, who: Bool) -> None:
-        """These dancers (A,) have no segments any more that were planned already."""
+        """Remove all segments, planned ones included, of the dancers in the mask `who` (A,)."""
         self._plan.clear(who)
 
     def regrouped(self) -> None:
-        """Dancers have changed their groups."""
+        """Update the plan after dancers have changed their groups."""
         self._plan.roster = self._casting.roster
 
     # -- ticks ---------------------------------------------------------------------------------------------------
 
     @property
     def running(self) -> bool:
-        """Whether a segment has begun, or is being worked out, that may hold somebody."""
+        """Whether a segment that may hold dancers has begun or is being computed."""
         return self._plan.running
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing is half worked out."""
+        """Whether no segment is partly computed."""
         return self._plan.idle
 
     def drop_begun(self) -> None:
-        """Forget what is half worked out: its dancers are free again."""
+        """Drop segments that are partly computed, and free their dancers."""
         self._plan.drop_begun()
 
     def work(self, position: Float32) -> None:
-        """Do one small piece of what is to be worked out by agents at `position` (A, 2) [m]: in the tick of a line what
-        is at work already, in the next one what begins with the measure after it is prepared, if that can be."""
+        """Do one small piece of the pending computation, for agents at `position` (A, 2) [m].
+
+        The tick of a line continues pending work. The next tick prepares the measure after it, if possible.
+        """
         if self._heading is not None and not self._fresh:
             heading, self._heading = self._heading, None
             self._plan.prepare(self._next, position, heading, if_known=True)
@@ -330,10 +332,11 @@ class Evolutions:
         self._plan.work()
 
     def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:
-        """Ask the dancers under a segment to be where it says at the danced `beat`."""
+        """Write the commands of agents under a segment at the danced `beat`."""
         self._plan.write(wants, state, beat, beats_per_second)
 
     def target(self, beat: float) -> tuple[Bool, Float32, Float32]:
-        """Who is under a segment at a future danced `beat` (A,), at which places (A, 2) [m], with which headings."""
+        """Return which dancers are under a segment at a future danced `beat`, (A,), their places, (A, 2) [m], and their
+        headings."""
         setting = self._plan.target(beat)
         return setting.under == 1, setting.position, setting.heading

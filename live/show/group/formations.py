@@ -1,4 +1,4 @@
-"""Formations of a show by name: from the patch, defined live, or said in a few words; made for any count (T087)."""
+"""Formations of a show: named in the patch, defined live or given in formation notation, for any count (T087)."""
 
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -19,34 +19,34 @@ from live.show.patch.section_motion import GroupSection
 Float64 = npt.NDArray[np.float64]
 
 BODY: Final = 0.3
-"""Room [m] around each place of a formation that is fitted to a smaller stage."""
+"""Margin around each place of a formation that is fitted to a smaller stage [m]."""
 KEPT: Final = 64
-"""Counts for which a formation's places are kept."""
+"""Size of the caches: counts per formation, and unnamed formations."""
 
 
 known_formation = lru_cache(maxsize=1024)(formation_of)
-"""The same formation, count and seed are worked out once, whoever asks: nobody changes what comes out."""
+"""Cached `formation_of`. Callers must not change the result."""
 
 
 @dataclass(slots=True, eq=False)
 class NamedFormation:
-    """A formation that is made for as many dancers as there are, and kept."""
+    """A formation with a cache of its places for each count of dancers."""
 
     name: str
     spec: FormationSpec
     seed: int
     _made: "OrderedDict[int, Places]"
     half: Float64 | None = None
-    """Half sizes [m] of the stage that it has to be fitted to, (2,); None: it stands as it is."""
+    """Half sizes of the stage that the formation is fitted to [m], (2,); None for no fitting."""
 
     @staticmethod
     def of(name: str, spec: FormationSpec, seed: int) -> "NamedFormation":
-        """Raises PersonError if the spec gives no formation."""
+        """Create the formation of a spec. Raises PersonError if the spec is invalid."""
         check_formation(spec)
         return NamedFormation(name, spec, seed, OrderedDict())
 
     def made(self, count: int) -> Places:
-        """The places for `count` dancers: made smaller, and moved, as far as a stage that shrank asks for it."""
+        """Return the places for `count` dancers, scaled and moved to fit a stage that has shrunk."""
         if count not in self._made:
             formation = known_formation(self.spec, count, self.seed)
             self._made[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
@@ -57,7 +57,7 @@ class NamedFormation:
 
 
 def fitted(slots: npt.NDArray[np.floating], half: Float64) -> Float64:
-    """The `slots` (S, 2) [m], no larger and no farther out than fits a stage of these half sizes [m] with bodies."""
+    """Return the `slots` (S, 2) [m], scaled down and moved to fit a stage of these half sizes [m] with a margin."""
     edge = np.maximum(half - BODY, 0.0)
     if not len(slots):
         return np.asarray(slots, np.float64)
@@ -69,10 +69,10 @@ def fitted(slots: npt.NDArray[np.floating], half: Float64) -> Float64:
 
 
 class Formations:
-    """All formations of a show: names are looked up first, anything else is read as words for one."""
+    """All formations of a show. A name is looked up first; anything else is parsed as formation notation."""
 
     def __init__(self, specs: Sequence[FormationSpec], *, seed: int) -> None:
-        """Raises PersonError if one of them cannot be."""
+        """Create the formations of the specs. Raises PersonError for an invalid one."""
         self._seed = seed
         self._named: dict[str, NamedFormation] = {}
         for index, spec in enumerate(specs):
@@ -83,9 +83,9 @@ class Formations:
         self._half: Float64 | None = None
 
     def find(self, words: str, *, live: bool = False) -> NamedFormation:
-        """The formation of this name, or the one that the words say; PersonError with what there is.
+        """Return the formation with this name or notation. Raises PersonError, with the known names, for others.
 
-        `live`: while a show runs, which must not wait for the reader of SVG paths to be loaded.
+        `live`: while a show runs, SVG paths are refused, as loading their reader takes too long.
         """
         folded = words.casefold().strip()
         if folded in self._named:
@@ -107,18 +107,18 @@ class Formations:
         return self._said[words]
 
     def define(self, name: str, words: str) -> NamedFormation:
-        """Make, or change, the formation called `name` as the words say; PersonError if they say none."""
+        """Define or replace the formation `name` by formation notation. Raises PersonError if it is invalid."""
         if name.casefold().strip() not in self._named and len(self._named) >= 2000:
-            raise PersonError("more formations than anybody can dance", "change one of those there are")
+            raise PersonError("there are too many formations", "redefine an existing one")
         formation = NamedFormation.of(name, self.find(words, live=True).spec, self._seed)
         formation.half = self._half
         self._named[name.casefold().strip()] = formation
         return formation
 
     def take_patch(self, fresh: "Formations") -> list[NamedFormation]:
-        """Take over the formations of another patch; those that were edited in it, made already.
+        """Apply the formations of another patch, and return those that were edited.
 
-        What was defined live stays, unless the patch has that very one otherwise now.
+        Formations defined live stay, unless the patch has edited the one of that name.
         """
         edited = []
         for name, formation in fresh._written.items():
@@ -138,11 +138,11 @@ class Formations:
 
     @property
     def named(self) -> dict[str, NamedFormation]:
-        """All that have a name, by it, folded."""
+        """All named formations, by case-folded name."""
         return dict(self._named)
 
     def restore(self, name: str, formation: NamedFormation | None) -> None:
-        """The formation of this folded name shall be this one, as it was made before; None: there shall be none."""
+        """Set the formation of this case-folded name to an earlier one; None removes it."""
         if formation is None:
             self._named.pop(name, None)
         else:
@@ -150,7 +150,8 @@ class Formations:
             self._named[name] = formation
 
     def fit(self, half: Float64 | None) -> bool:
-        """Let all fit a stage of these half sizes [m], (2,), or (None) be as they were made; False: they are."""
+        """Fit all formations to a stage of these half sizes [m], (2,), or to none (None). Returns False if there was
+        nothing to change."""
         if half is None and self._half is None:
             return False
         self._half = half
@@ -159,15 +160,15 @@ class Formations:
         return True
 
     def warm(self, counts: set[int]) -> None:
-        """Make all named ones for so many dancers, so that nothing is made while a show runs."""
+        """Fill the caches of all named formations for these counts, so that nothing is computed while a show runs."""
         for formation in self._named.values():
             for count in sorted(counts):
                 formation.made(count)
 
     def beginning(self, section: GroupSection) -> Float64:
-        """Where the dancers of a group begin, (dancers, 2) [m]; those without a place stand in rows around its middle.
+        """Return the starting places of a group's dancers, (dancers, 2) [m].
 
-        Words for a formation take the group's centre and size.
+        Formation notation uses the group's centre and size. Dancers without a place stand in rows around its centre.
         """
         folded = section.formation.casefold().strip()
         if folded in self._named:

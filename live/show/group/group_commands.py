@@ -1,4 +1,4 @@
-"""GroupControls: what the controls of group motion do to a running show (elements, segments, wings, obstacles)."""
+"""Handler for live control events of group motion: elements, segments, groups, entrances, stage and obstacles."""
 
 import numpy as np
 import numpy.typing as npt
@@ -24,11 +24,11 @@ GROUP_EVENTS = (
     events.Enter, events.Leave, events.SetStage, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle,
     events.Performer,
 )  # fmt: skip
-"""The events that `act` takes."""
+"""The events that `act` accepts."""
 
 
 class GroupControls:
-    """Lets events act on the group motion of a show."""
+    """Applies events to the group motion of a show."""
 
     def __init__(
         self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation, score: Score | None = None
@@ -41,7 +41,7 @@ class GroupControls:
         self._joining: dict[int, int] = {}
 
     def act(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:
-        """Let an event act at `time` [s]; PersonError if it asks for what is not there."""
+        """Apply an event at `time` [s]. Raises PersonError if it names something unknown or impossible."""
         motion, position = self._motion, self._motion.state.position
         beat, size = timeline.beat_at(time), timeline.beats_per_measure
         match event:
@@ -72,7 +72,7 @@ class GroupControls:
                 self._furnish(event)
 
     def _furnish(self, event: ControlEvent) -> None:
-        """What stands on the stage, and real dancers."""
+        """Apply an event of the set or of a performer."""
         surroundings = self._motion.surroundings
         match event:
             case events.PlaceObstacle():
@@ -86,12 +86,12 @@ class GroupControls:
                 self._taken(self._motion.performers.track(event))
 
     def clear(self, time: float, timeline: Timeline) -> None:
-        """All elements end, and nobody has an evolution any more."""
+        """End all elements and all evolutions."""
         self._motion.elements.clear(timeline.beat_at(time))
         self._motion.evolutions.clear(np.ones(len(self._motion.casting.group), np.bool_))
 
     def cross_measure_line(self, measure: int) -> None:
-        """What changes with `measure` (from 0): who changes her group; those who come in dance with theirs."""
+        """Apply the score's regroupings of `measure` (from 0), and move dancers who enter to their groups."""
         for section in self._score.regroups(measure):
             self._regroup(self._who(section.dancers), self._group(section.group))
         for group in sorted(set(self._joining.values())):
@@ -135,7 +135,7 @@ class GroupControls:
             self._joining[row] = int(self._motion.casting.group[row]) if own else group
         if len(rows) < int(event.count):
             waiting = "nobody waits" if not len(rows) else f"only {len(rows)} waited"
-            raise PersonError(f"{waiting} in the wings", "the patch's reserve says how many do")
+            raise PersonError(f"{waiting} in the wings", "raise the reserve in the patch")
 
     def _leave(self, event: events.Leave) -> None:
         motion = self._motion
@@ -149,4 +149,4 @@ class GroupControls:
     @staticmethod
     def _taken(taken: bool) -> None:
         if not taken:
-            raise PersonError("there is no place for more obstacles", "take away some that stand there")
+            raise PersonError("there is no place for more obstacles", "remove some of them first")

@@ -1,9 +1,7 @@
-"""GroupMotion: where the agents of a show go: elements, evolutions, who comes and goes, what stands in the way (T080).
+"""Motion of the agents that lead the dancers of a show (T080).
 
-Each dancer is led by an agent. Per tick: what the plan asks of her (`agents/evolutions`), what elements ask
-(`agents/procedural`), what makes it safe (`agents/crowd`). Nothing here knows steps or poses.
-
-Starting places: where everybody stands before a show begins: in her group's formation, or in the wings.
+In each tick, an agent's command comes from the running evolution (`agents/evolutions`), is modified by elements
+(`agents/elements`), and is made collision-free by the crowd step (`agents/crowd`). Steps and poses play no part here.
 """
 
 from typing import Final
@@ -41,14 +39,17 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 FROM_THE_EDGE = 0.3
-"""Nobody begins nearer to the edge of the stage than this [m]."""
+"""Least distance of starting places from the edge of the stage [m]."""
 
 
 def starting_places(
     evolutions: Evolutions, partners: Partners, part: Parting, gate: Gate, on: Bool, half: Float32, heading: Float64
 ) -> Float32:
-    """Places [m], shape (A, 2): of those who are `on` the stage (A,), of half sizes `half` (2,) [m], and of those who
-    wait behind `gate`, who come last. Pairs are joined; `heading` (A,) [rad] becomes what everybody faces."""
+    """Return starting places [m], (A, 2), and write headings [rad] to `heading` (A,).
+
+    Dancers who are `on` (A,) the stage, of half sizes `half` (2,) [m], stand in their formations. The others come last
+    and wait behind `gate`. Partners stand at arm's length.
+    """
     count = len(on)
     placed = evolutions.starting_places()
     position = np.zeros((count, 2), np.float32)
@@ -71,22 +72,22 @@ Rows = npt.NDArray[np.intp]
 
 AGENT_RADIUS: Final = 0.25
 DANCER_GAP: Final = 0.7
-"""Two dancers shall not end a measure nearer to each other than this [m]: shoulders and a bit."""
+"""Least distance of two dancers at the end of a measure [m]: a bit more than shoulder width."""
 LEASH: Final = 0.6
-"""No agent gets farther than this [m] from her dancer: she is taken along ..."""
+"""Largest distance of an agent from its dancer on the stage, outside evolutions [m]."""
 LONG_LEASH: Final = 0.9
-"""... or than this [m] on the way in or out; in an evolution she is where the plan has her."""
+"""Largest distance of an agent from its dancer while entering or leaving [m]."""
 HURRY: Final = 1.6
-"""In an evolution agents may be faster than the steps reach on the average: they gather speed and lose it again."""
+"""Factor by which agents in an evolution may exceed the steps' mean speed, as they accelerate and brake."""
 STANDING: Final = 0.9
-"""Distance [m] under which dancers whom nothing moves make room for each other."""
+"""Distance under which standing dancers make room for each other [m]."""
 
 
 class GroupMotion:
-    """The agents of one show. Call `begin_measure` at measure lines and `tick` for every tick."""
+    """The agents of one show. `begin_measure` is called at measure lines, `tick` in every tick."""
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
-        """Everybody stands in her group's formation; PersonError for one that cannot be."""
+        """Place all dancers in their groups' formations. Raises PersonError for a formation that is impossible."""
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._patch, self.casting = patch, casting
@@ -110,7 +111,7 @@ class GroupMotion:
         self.elements = Elements(patch, casting, seed=seed, score=score)
         self.partners = Partners(patch, casting)
         self.starting_heading: Float64 = np.zeros(count)
-        """Where everybody faces at first [rad], shape (A,)."""
+        """Headings at the beginning of the show [rad], shape (A,)."""
         places = starting_places(
             self.evolutions, self.partners, self.part, self.gates[0], self.entrances.present, self._half,
             self.starting_heading,
@@ -127,9 +128,9 @@ class GroupMotion:
         self._leash: Float32 = np.zeros(count, np.float32)
 
     def begin_measure(self, span: MeasureSpan, beat: float, timeline: Timeline, heading: Float64) -> Rows:
-        """The measure `span` begins at `beat`; dancers face `heading` (A,) [rad].
+        """Begin the measure `span` at `beat`; dancers face `heading` (A,) [rad].
 
-        Returns who enters the stage with it: her agent stands at her gate now.
+        Returns the dancers who enter the stage with it. Their agents stand at the gates now.
         """
         self._now = (timeline, span)
         entered = self.entrances.cross_measure_line(self.state.position)
@@ -141,18 +142,18 @@ class GroupMotion:
         return entered
 
     def go_along(self, answering: Answering | None, shown: Float32) -> None:
-        """The agents of those who answer others are where they are `shown` (A, 2) [m], so that others avoid them; not
-        so near to their leaders that these would."""
+        """Move the agents of dancers in a partner response to where they are `shown` (A, 2) [m], so that others avoid
+        them, but not so near to their leaders that these avoid them too."""
         self._along.go_along(answering, shown, self.state)
 
     @property
     def staying(self) -> Bool:
-        """Who is on the stage, shape (A,)."""
+        """Whether each dancer is on the stage, shape (A,)."""
         return np.asarray(self.entrances.state == ON)
 
     @property
     def present(self) -> Bool:
-        """Who can be seen, shape (A,)."""
+        """Whether each dancer is visible, shape (A,)."""
         return self.entrances.present
 
     # -- time ----------------------------------------------------------------------------------------------------
@@ -160,8 +161,11 @@ class GroupMotion:
     def tick(
         self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32, pace: Float32
     ) -> None:
-        """Advance by one tick; `speed` (A,) [m/s]: what the dancers' steps can follow, `dancer` (A, 2) [m]: where they
-        are on the way through their measure, and `pace` (A, 2) [m/s] how fast they go it."""
+        """Advance by one tick.
+
+        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow, `dancer` (A, 2) [m] their reference
+        positions in the measure, and `pace` (A, 2) [m/s] the velocities of these.
+        """
         self._now, self._speed = (timeline, span), speed
         self.floor.tick(timeline.beat_at(time))
         self.entrances.settle(self.state.position)
@@ -174,7 +178,7 @@ class GroupMotion:
             self.evolutions.release(self.elements.influence >= TAKEN)
         self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
         self.state, self._spare = self._spare, self.state
-        # in an evolution agents are where the plan has them: that is where their dancers are sent
+        # in an evolution agents stay at the planned places, which are the dancers' targets
         hold_on_leash(
             self.state.position, self.state.velocity, dancer, pace, self.wants.rows,
             self.entrances.state, ENTERING, ON, LEASH, LONG_LEASH, self._leash,
@@ -184,7 +188,7 @@ class GroupMotion:
         self._ask(wants, state, time, ahead=True)
 
     def _ask(self, wants: Wants, state: AgentState, time: float, *, ahead: bool) -> None:
-        """What everybody is asked to do in `state` at `time` [s]; on a copy (`ahead`) nothing but `wants` changes."""
+        """Fill the commands `wants` for agents in `state` at `time` [s]. With `ahead`, nothing else changes."""
         if self._now is None:
             return
         timeline, span = self._now
@@ -201,11 +205,13 @@ class GroupMotion:
         self._along.ask(wants, state)
         self.entrances.write(wants, state.position)
 
-    # -- what is ahead -------------------------------------------------------------------------------------------
+    # -- look-ahead ----------------------------------------------------------------------------------------------
 
     def look(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
-        """Begin to look `seconds` [s] ahead of `time` [s], and to work out what begins with the next measure, for
-        dancers who will face `heading` (A,) [rad] then and are `late` (A,) [beats] on purpose."""
+        """Begin to predict the agents `seconds` [s] ahead of `time` [s], and to prepare the next measure's segments.
+
+        `heading` (A,) [rad] are the headings at its beginning, `late` (A,) [beats] the intended delays.
+        """
         tempo = 120.0 if self._now is None else self._now[0].tempo
         self._ahead.begin(self.state, time, seconds, late, tempo)
         if self._now is None:
@@ -216,23 +222,26 @@ class GroupMotion:
         self.evolutions.prepare(span.number + 1, position, heading)
 
     def withdraw(self, measure: int) -> None:
-        """The score goes on elsewhere with `measure`, which has not begun, than was foreseen."""
+        """Replace the preparations for `measure`, which has not begun: the score has jumped."""
         self.elements.withdraw(measure)
         self.evolutions.withdraw(measure)
 
     def work(self, steps: int) -> None:
-        """Do at most so many coarse steps of looking ahead."""
+        """Run at most `steps` coarse steps of the look-ahead."""
         self._ahead.work(steps)
 
     def ahead(self) -> tuple[Float64, Bool, Float64]:
-        """Where everybody will be when her next measure ends, (A, 2) [m]; who is in an evolution then, (A,), and with
-        which heading, (A,) [rad]. The look ahead must be finished. Measures of those who are late end later."""
+        """Return the predicted positions at the end of the next measure, (A, 2) [m], which dancers are in an evolution
+        then, (A,), and their headings, (A,) [rad].
+
+        The look-ahead must be finished. Measures of delayed dancers end later.
+        """
         return self._ahead.ends(None if self._now is None else self._now[1])
 
     # -- live ----------------------------------------------------------------------------------------------------
 
     def resize(self, width: float, depth: float, *, measure: int, beat: float, beats_per_measure: float) -> None:
-        """The stage is `width` by `depth` [m] from `beat` of `measure` on; PersonError if it cannot be."""
+        """Set the stage to `width` by `depth` [m] from `beat` of `measure` on. Raises PersonError if impossible."""
         there = int(np.count_nonzero(self.entrances.state != WAITING))
         if not self.floor.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
             return
@@ -245,13 +254,13 @@ class GroupMotion:
         self.evolutions.resize(half, self.floor.fitting, measure=measure)
 
     def yield_to(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
-        """To the agents `rows` (n,) everybody yields while they are `led` (n,) by somebody real."""
+        """Make all others yield to the agents `rows` (n,) while these are `led` (n,) by a performer."""
         usual = np.where(self.casting.soloists[rows], 0.0, 1.0)
         self.model.responsibility[rows] = np.where(led, 0.0, usual)
         self._advance.yield_to(rows, self.model.responsibility[rows])
 
     def take_patch(self, fresh: "GroupMotion") -> None:
-        """Take over gates, steering and set of another patch; what was moved live stays where it is."""
+        """Apply gates, steering and set of another patch. Items moved live stay in place."""
         old, new = self._patch, fresh._patch
         if old.steering != new.steering:
             self._advance.steer(fresh.model.steering)
@@ -261,7 +270,7 @@ class GroupMotion:
         refurnish(self.surroundings, old.obstacle, new.obstacle)
 
     def show(self, view: StageView) -> None:
-        """Copy what is drawn into the snapshot: who is there, elements, obstacles and walls."""
+        """Copy visible dancers, stage size, elements, obstacles, walls and performers into the drawing snapshot."""
         np.greater_equal(self.entrances.state, ENTERING, out=view.present)
         view.stage_size = float(2.0 * self.floor.border[0]), float(2.0 * self.floor.border[1])
         self.elements.show(view)

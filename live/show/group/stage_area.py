@@ -1,10 +1,7 @@
-"""Floor: how large the stage is now. What steers takes a new size at once; the border that is seen moves there.
+"""Stage area of a show: its size, the set (obstacles and walls), the gates and the steering parameters.
 
-Nobody is put anywhere: agents are bent to the new edges, and dancers come after them with the steps that they have.
-
-Stage set: what a patch puts on the stage, round things and walls, and what becomes of it with an edited patch.
-
-Stage steering: what a patch says of its stage's gates, and of how agents are steered on it.
+A new stage size applies to steering at once, while the drawn border moves gradually. Dancers are not displaced: agents
+are steered inside the new edges, and dancers follow with their steps.
 """
 
 import math
@@ -25,51 +22,51 @@ from live.show.patch.section_stage import ObstacleSection, StageSection
 Float64 = npt.NDArray[np.float64]
 
 SMALLEST: Final = 2.0
-"""No stage is narrower or shallower than this [m], as in the patch."""
+"""Least width and depth of a stage [m], as in the patch."""
 LARGEST: Final = 2.0
-"""Nor more than so many times as large as the patch's; and of the floor that is drawn around that ..."""
+"""Largest size of a stage, relative to the patch's."""
 DARK: Final = 0.5
-"""... at least so much [m] stays outside."""
+"""Least margin of the drawn floor around the stage [m]."""
 ROOM: Final = 0.8
-"""Each dancer needs so much of it [m²]."""
+"""Least area per dancer [m²]."""
 MEASURES: Final = 2.0
-"""Measures in which the border comes in, or half of them to go out: measures that are decided already end first ..."""
+"""Least time in which the border moves inwards [measures], so that measures decided already end first. Half of that
+outwards."""
 PACE: Final = 0.12
-"""... and no more of it than this [m] in a beat on the average: about as fast as steps travel."""
+"""Mean speed limit of the border [m per beat]: about as fast as steps travel."""
 
 
 class Floor:
-    """The size of one show's stage. Call `resize` for events and `tick` once a tick."""
+    """Size of one show's stage. `resize` is called for events, `tick` once a tick."""
 
     def __init__(self, stage: StageSection) -> None:
         self._patch = np.array([stage.width / 2, stage.depth / 2])
         self.half: Float64 = self._patch.copy()
-        """Half width and half depth [m] as whatever steers takes them, shape (2,): the same array as long as the show
-        lasts."""
+        """Half width and half depth for steering [m], shape (2,): the same array for the whole show."""
         self.border: Float64 = self._patch.copy()
-        """The same of what is seen."""
+        """Half width and half depth as drawn [m], shape (2,)."""
         self._from, self._began, self._ends = self._patch.copy(), -math.inf, -math.inf
 
     @property
     def largest(self) -> Float64:
-        """Half width and half depth [m] that can be asked for, shape (2,)."""
+        """Largest half width and half depth that `resize` accepts [m], shape (2,)."""
         return np.asarray(np.minimum(LARGEST * self._patch, self._patch + (FLOOR_MARGIN - DARK)))
 
     @property
     def fitting(self) -> Float64 | None:
-        """Half width and half depth [m] into which what the patch has made must be fitted; None: it has its room."""
+        """Half width and half depth [m] to which formations must be fitted, None if the patch's stage fits."""
         return None if (self.half >= self._patch).all() else self.half.copy()
 
     def resize(self, width: float, depth: float, *, dancers: int, beat: float, beats_per_measure: float) -> bool:
-        """The stage shall have this `width` and `depth` [m] from `beat` on; False if it has.
+        """Set the stage's `width` and `depth` [m] from `beat` on. Returns False if nothing changes.
 
-        PersonError if that is more floor than there is, or less than so many `dancers` need.
+        Raises PersonError if the floor is too small for that, or the stage too small for so many `dancers`.
         """
         half = np.array([width / 2, depth / 2])
         if (half > self.largest + 1e-9).any() or not (half >= SMALLEST / 2 - 1e-9).all():
             most = 2.0 * self.largest
             raise PersonError(
-                f"the stage cannot be {width:g} x {depth:g} m", f"from 2 x 2 to {most[0]:g} x {most[1]:g} m of it can"
+                f"the stage cannot be {width:g} x {depth:g} m", f"use 2 x 2 to {most[0]:g} x {most[1]:g} m"
             )
         if width * depth < ROOM * dancers and (half < self._patch).any():
             raise PersonError(
@@ -85,7 +82,7 @@ class Floor:
         return True
 
     def tick(self, beat: float) -> None:
-        """The border moves on to where it is at `beat`: gently at the beginning and at the end."""
+        """Move the border to its place at `beat`, with easing at both ends."""
         if beat >= self._ends:
             self.border[:] = self.half
             return
@@ -94,7 +91,7 @@ class Floor:
 
 
 def furnish(surroundings: Surroundings, item: ObstacleSection) -> None:
-    """Put up an item of the set."""
+    """Put an item of the set on the stage."""
     if item.wall_to is not None:
         surroundings.put_wall(item.name, *item.at, *item.wall_to)
     else:
@@ -102,7 +99,8 @@ def furnish(surroundings: Surroundings, item: ObstacleSection) -> None:
 
 
 def refurnish(surroundings: Surroundings, old: Iterable[ObstacleSection], new: Iterable[ObstacleSection]) -> None:
-    """Change what the two sets have otherwise; what was moved live and is the same in both stays where it is."""
+    """Apply the differences between two sets. Items that are the same in both stay where they are, also if moved
+    live."""
     kept = {item.name: item for item in old}
     for item in new:
         before = kept.pop(item.name, None)
@@ -115,7 +113,7 @@ def refurnish(surroundings: Surroundings, old: Iterable[ObstacleSection], new: I
 
 
 def show_set(surroundings: Surroundings, view: StageView) -> None:
-    """Copy what stands on the stage into the snapshot."""
+    """Copy walls and obstacles into the drawing snapshot."""
     view.wall_count = min(surroundings.wall_count, len(view.wall))
     if view.wall_count:
         view.wall[: view.wall_count] = surroundings.walls[: view.wall_count]
@@ -126,7 +124,7 @@ def show_set(surroundings: Surroundings, view: StageView) -> None:
 
 
 def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, ...]:
-    """The gates of a patch on a stage of these half sizes [m]; the usual wings if it names none."""
+    """Return the gates of a patch on a stage of these half sizes [m], or the default wings if it names none."""
     named = tuple(
         Gate.at_edge(gate.name, gate.at, gate.width, half_width=half_width, half_depth=half_depth)
         for gate in patch.gate
@@ -135,7 +133,7 @@ def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, 
 
 
 def steering_of(patch: Patch) -> Steering:
-    """The parameters of a patch's steering."""
+    """Return the steering parameters of a patch."""
     section = patch.steering
     return Steering(
         half_width=patch.stage.width / 2,

@@ -1,1 +1,1 @@
-"""The journal of a show: writing, reading, replay. It may import what `show` may."""
+"""The journal of a show: writer, reader, replay. It may import what `show` may."""

@@ -1,7 +1,7 @@
-"""Journal: patch, seed and every event with the tick at which it acts, one JSON object a line (T148, T150).
+"""Journal of a show: patch, seed and every event with its tick, one JSON object per line (T148, T150).
 
-Format 2, in order: the header; events before they act; at each measure line a hash over the state. Beside it lie
-snapshots (`journal_file.py`). The show never waits for the disk: what is lost is counted and told, and it goes on.
+Format 2: a header, then events before they are applied and a state hash at each measure line. Snapshots are stored in a
+second file (`journal_writer.py`). The show never waits for the disk: lost lines are counted and reported.
 """
 
 import json
@@ -41,43 +41,43 @@ __all__ = [
 
 
 BEHIND: Final = 1024
-"""So many lines that wait for the disk are told."""
+"""Number of waiting lines from which on a slow disk is reported."""
 
 
 class JournalSink(Protocol):
-    """Where a journal goes: a file, or a pipe to another process. No method waits."""
+    """Destination of a journal: a file, or a pipe to another process. No method blocks."""
 
     def put(self, line: str) -> None:
-        """Take one line, without its end."""
+        """Accept one line, without its line break."""
         ...
 
     def snapshot(self, taken: Taken) -> None:
-        """Take a snapshot; whoever writes it seals it."""
+        """Accept a snapshot; the sink seals it."""
         ...
 
     def facts(self) -> dict[str, int]:
-        """For the status: lines taken and dropped, bytes written, lines that wait (behind), lines lost
-        since the last that was written (missing), snapshots written."""
+        """Return figures for the status: lines accepted and dropped, bytes written, waiting lines (behind), lines lost
+        since the last one written (missing), snapshots written."""
         ...
 
     def close(self) -> None:
-        """Write what waits and end."""
+        """Write all waiting lines and close."""
         ...
 
 
 class JournalWriter:
-    """Notes what enters the show; a sink writes the lines. Thread: all methods from the show's."""
+    """Records the events and measures of a show; a sink writes the lines. Thread: all methods from the show's."""
 
     def __init__(
         self, path: Path, header: dict[str, Any] | None, *, sink: JournalSink | None = None, snapshots: bool = True
     ) -> None:
-        """`header`: what is needed to run the show again; None: it is there already, and the journal goes on. Raises
-        JournalError if the file cannot be made.
+        """`header`: data needed for a replay; None: an existing journal is continued. Raises JournalError if the file
+        cannot be created.
 
-        With a `sink` that is where everything goes, and there is no file. `snapshots`: whether states are kept.
+        `sink`: destination instead of a file at `path`. `snapshots`: whether snapshots are taken.
         """
         self.kept: Path | None = None
-        """Where a journal of the same name was moved to; None if there was none."""
+        """New path of an older journal of the same name; None if there was none."""
         if sink is None:
             try:
                 self.kept = keep_aside(path)
@@ -97,15 +97,15 @@ class JournalWriter:
         return self.sink.facts()["dropped"]
 
     def event(self, tick: int, event: ControlEvent) -> None:
-        """Note an event that acts from the tick after `tick` on."""
+        """Record an event that acts from the tick after `tick` on."""
         self.sink.put(line_of(tick, event))
 
     def measure(self, tick: int, measure: int, state: str) -> None:
-        """Note the state hash at the first tick of a measure (measures from 1)."""
+        """Record the state hash at the first tick of a measure (measures from 1)."""
         self._put({"tick": tick, "measure": measure, "hash": state})
 
     def prepare(self, show: Show) -> None:
-        """Get ready to take snapshots of this show: some milliseconds, better spent before it begins."""
+        """Prepare for snapshots of this show; takes some milliseconds, so call it before the show begins."""
         if self._keeping is not None:
             self._keeping.prepare(show)
 
@@ -115,13 +115,13 @@ class JournalWriter:
             self._keeping.after(show, tick, begins=begins)
 
     def facts(self) -> dict[str, int]:
-        """For the status: see `JournalSink.facts`."""
+        """Return figures for the status, see `JournalSink.facts`."""
         failed = {} if self._keeping is None else {"snapshots_failed": self._keeping.failed}
         return self.sink.facts() | failed
 
     @property
     def problem(self) -> str:
-        """What is wrong with it, for the operator; words change at most with every factor of two. Empty: nothing."""
+        """The current problem, for the operator; empty if there is none. Counts in it change only by factors of two."""
         if trouble := trouble_of(self.facts()):
             return trouble
         if self._keeping is not None and self._keeping.problem:
@@ -129,7 +129,7 @@ class JournalWriter:
         return ""
 
     def close(self, tick: int, *, ended: bool = True) -> None:
-        """Note the last tick if the show has `ended`, write what waits and close."""
+        """Record the last tick if the show has `ended`, write all waiting lines and close."""
         if ended:
             self._put({"tick": tick, "end": True})
         self.sink.close()
@@ -139,23 +139,23 @@ class JournalWriter:
 
 
 def trouble_of(facts: Mapping[str, int]) -> str:
-    """What `JournalSink.facts` say of the disk, in words that change seldom; empty: nothing."""
+    """Describe the disk problem in `JournalSink.facts`, in words that change seldom; empty if there is none."""
     if dropped := facts.get("dropped", 0):
         if facts.get("missing", dropped):
             return f"journal: {_about(dropped)} lines could not be written: is the disk full?"
-        return f"journal: {_about(dropped)} lines are missing in it; now it is written again"
+        return f"journal: {_about(dropped)} lines are missing; writing works again"
     if facts.get("behind", 0) >= BEHIND:
         return f"journal: the disk is {_about(facts['behind'])} lines behind"
     return ""
 
 
 def _about(count: int) -> str:
-    """One, or a power of two and more."""
+    """Return a count rounded down to a power of two, in words."""
     return str(count) if count < 2 else f"{1 << (count.bit_length() - 1)} and more"
 
 
 def line_of(tick: int, event: ControlEvent) -> str:
-    """The line of an event that acts from the tick after `tick` on; what is as usual is left out."""
+    """Return the line of an event that acts from the tick after `tick` on, without default values."""
     if isinstance(event, IN_ROWS):
         return _compact({"tick": tick, "event": event_to_row(event)})
     usual = _usual(type(event).__name__)

@@ -1,4 +1,4 @@
-"""Where two journals part: the first difference of their headers, of their events and of their hashes."""
+"""Comparison of two journals: the first differences of headers, events and state hashes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,45 +9,45 @@ from live.control.events.event_json import event_to_json
 from live.show.journal.journal_reader import Journal, JournalLine
 
 PLACES = ("patch_path", "recordings", "version", "journal", "columns", "origin")
-"""What of a header may differ without the show being another one."""
+"""Header keys that are not compared, because they do not affect the show."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first lines that differ, one of each journal; None where one has no more."""
+    """The first lines that differ, one of each journal; None at the end of a journal."""
 
     first: JournalLine | None
     second: JournalLine | None
 
     def in_words(self) -> str:
-        """What stands where, in one line."""
+        """Return both lines in words, on one line."""
         return f"{_words(self.first)}  |  {_words(self.second)}"
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Return both lines as JSON data."""
         return {"first": _facts(self.first), "second": _facts(self.second)}
 
 
 @dataclass(frozen=True, slots=True)
 class Differences:
-    """What two journals differ in; all empty if they tell of the same show."""
+    """Differences of two journals; header, event and state are empty if the shows are the same."""
 
     header: tuple[str, ...]
-    """Keys of the header; those of the patch with a dot."""
+    """Keys of the header; keys of the patch as `patch.name`."""
     event: Difference | None
     state: Difference | None
     events: tuple[int, int]
     measures: tuple[int, int]
-    """How many there are in each."""
+    """Number of events and measures in each journal."""
 
     @property
     def none(self) -> bool:
-        """Whether they tell of the same show."""
+        """Whether both journals are of the same show."""
         return not self.header and self.event is None and self.state is None
 
 
 def differences(first: Journal, second: Journal) -> Differences:
-    """Read both, line by line; nothing of them is kept."""
+    """Compare two journals line by line, in constant memory."""
     event, events = _first(_events(first), _events(second), _same_event)
     state, measures = _first(_states(first), _states(second), lambda a, b: (a.measure, a.state) == (b.measure, b.state))
     return Differences(tuple(_header(first.header, second.header)), event, state, events, measures)
@@ -88,7 +88,7 @@ def _first(first: Iterator[JournalLine], second: Iterator[JournalLine], same: An
 
 def _words(line: JournalLine | None) -> str:
     if line is None:
-        return "nothing more"
+        return "end of the journal"
     if line.event is not None:
         values = event_to_json(line.event)
         kind, source = values.pop("type"), values.pop("source")

@@ -1,7 +1,4 @@
-"""Reading a journal, line by line: a night of a day and more is never in memory as a whole.
-
-What a journal holds: how long, how many measures, which events from whom, what is damaged; read in one go.
-"""
+"""Reader for journals, line by line in constant memory, and a survey of a journal's figures."""
 
 import contextlib
 import json
@@ -22,28 +19,28 @@ from live.show.journal.journal_writer import GAP
 from live.show.journal.skipped_events import Gap, left_out
 
 FORMAT: Final = 2
-"""What is written; 1 had no snapshots, and no line without a word that is as usual."""
+"""Current format. Format 1 had no snapshots, and wrote default values."""
 READ: Final = (1, 2)
 LONGEST: Final = 1 << 24
-"""Characters of a line at most ..."""
+"""Maximum length of a line in characters, so that a file that is not a journal is not read into memory."""
 MOST_VALUES: Final = 1 << 20
-"""... and values in it: a file that is no journal is not read into memory."""
+"""Maximum number of JSON values in a line, for the same reason."""
 
 
 LONGEST_GAP: Final = 64 * 600
-"""Ticks between two lines at most: a measure is noted at least once in ten minutes."""
+"""Maximum number of ticks between two lines (ten minutes); measures are recorded more often."""
 
 
 Columns = dict[str, list[str]]
 
 
 class JournalError(Exception):
-    """A journal cannot be written or read; the message names file and line."""
+    """A journal that cannot be written or read; the message names file and line."""
 
 
 @dataclass(frozen=True, slots=True)
 class JournalLine:
-    """One line after the header: the tick, and an event, a measure's state hash, or the end."""
+    """A line after the header: a tick with an event, a measure's state hash, or the end."""
 
     tick: int
     event: ControlEvent | None = None
@@ -51,23 +48,23 @@ class JournalLine:
     state: str | None = None
     end: bool = False
     left_out: bool = False
-    """Whether the event was left out when the show went on calmer: it acts no more, as if it had not been."""
+    """Whether the event was skipped in crash recovery: it must not be applied."""
     number: int = 0
-    """Which line of the file it is, from 1."""
+    """Line number in the file, from 1."""
     damaged: str | None = None
-    """What is wrong with it, if it could not be read; it stands for whatever was lost there."""
+    """Description of the damage, if the line could not be read or lines are lost before it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Journal:
-    """A journal whose header has been read; its lines are read each time they are asked for."""
+    """A journal with its header in memory; its lines are read from the file at each access."""
 
     path: Path
     header: dict[str, Any]
 
     @property
     def patch(self) -> dict[str, Any]:
-        """What the header holds of the patch; nothing if it is damaged."""
+        """The patch in the header; empty if it is damaged."""
         patch = self.header.get("patch")
         return patch if isinstance(patch, dict) else {}
 
@@ -78,20 +75,20 @@ class Journal:
 
     @property
     def lines(self) -> Iterator[JournalLine]:
-        """Its lines in order; JournalError at the first that is damaged. A last one that is cut off ends it."""
+        """Its lines in order; JournalError at the first damaged one. A truncated last line is ignored."""
         for line in self.usable():
             if line.damaged is not None:
                 raise JournalError(line.damaged)
             yield line
 
     def usable(self) -> Iterator[JournalLine]:
-        """Its lines in order, damaged ones with the word `damaged`, at the tick of the line before."""
+        """Yield its lines in order; damaged ones have `damaged` set and the tick of the line before."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
             _row(file)
             yield from _lines(file, self.path, self._columns, left_out(self.path))
 
     def rows_with(self, *words: str) -> Iterator[JournalLine]:
-        """Those of its whole lines that hold one of these words, quickly: the others are not looked into."""
+        """Yield its undamaged lines that contain one of these words; fast, because only these are parsed."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
             _row(file)
             number = 1
@@ -104,14 +101,14 @@ class Journal:
 
     @property
     def last_tick(self) -> int:
-        """The tick of its last whole line; 0 if that cannot be read."""
+        """The tick of its last complete line; 0 if none can be read."""
         for row in reversed(self._tail()[:-1]):
             with contextlib.suppress(JournalError, ValueError, TypeError, KeyError):
                 return int(_parse(row.decode("utf-8", "replace"), self.path, 0)["tick"])
         return 0
 
     def _tail(self) -> list[bytes]:
-        """Its last rows; the last of them is empty where the file is whole."""
+        """Return its last rows; the last one is empty if the file is complete."""
         with self.path.open("rb") as file:
             size = file.seek(0, 2)
             file.seek(max(0, size - (1 << 16)))
@@ -119,7 +116,7 @@ class Journal:
 
     @property
     def complete(self) -> bool:
-        """False if the end is not there (the machine stopped): everything before it counts."""
+        """Whether it has an end line; without one (the machine stopped) the lines are valid all the same."""
         last = self._tail()
         return len(last) > 1 and last[-1] == b"" and b'"end":true' in last[-2].replace(b" ", b"")
 
@@ -142,14 +139,14 @@ def read_journal(path: Path) -> Journal:
 
 
 def _row(file: TextIO) -> str | None:
-    """The next line without its end; None after the last, and for one that is cut off."""
+    """Return the next line without its line break; None after the last one and for a truncated one."""
     row = file.readline(LONGEST)
     return row[:-1] if row.endswith("\n") else None
 
 
 def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
     if values_in(row) > MOST_VALUES:
-        raise JournalError(f"{path}, line {number}: more values than any line has")
+        raise JournalError(f"{path}, line {number}: more values than a line may have")
     try:
         value = json.loads(row)
     except (ValueError, RecursionError):
@@ -172,11 +169,11 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             continue
         now = value.get("lost", lost)
         if now != lost:
-            words = f"{path}, line {number}: before it lines could not be written, {now} by then"
+            words = f"{path}, line {number}: lines before it could not be written, {now} in total"
             yield JournalLine(last, number=number, damaged=words)
             lost = now
         if missing:
-            words = f"{path}, line {number}: before it {missing} lines are missing that could not be written"
+            words = f"{path}, line {number}: {missing} lines are missing before it; they could not be written"
             yield JournalLine(last, number=number, damaged=words)
         for gap in gaps:
             if gap.anew and number == gap.first:
@@ -192,7 +189,7 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
 
 
 def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
-    """The event that acts before what was danced anew."""
+    """Return the event that was inserted before a stretch that was simulated again."""
     try:
         value = _parse(gap.anew, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
         return _line(value, path, gap.mark, last, columns)
@@ -201,7 +198,7 @@ def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
 
 
 def _missing(value: dict[str, Any]) -> int:
-    """How many lines are missing before this one, as it says itself."""
+    """Return the number of lines missing before this one, as recorded in it."""
     count = value.get(GAP, 0)
     return count if isinstance(count, int) else 0
 
@@ -209,12 +206,12 @@ def _missing(value: dict[str, Any]) -> int:
 def _line(
     value: dict[str, Any], path: Path, number: int, last: int, columns: Columns, *, far: bool = False
 ) -> JournalLine:
-    """`far`: it may lie any time after the one before it."""
+    """Return the parsed line. `far`: any distance to the line before is valid."""
     tick = value.get("tick")
     if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
         raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
     if tick - last > LONGEST_GAP and not far:
-        raise JournalError(f"{path}, line {number}: damaged: its tick {tick} lies far after {last}")
+        raise JournalError(f"{path}, line {number}: damaged: its tick {tick} is far after {last}")
     if "event" in value:
         try:
             event = event_from_json(value["event"], columns)
@@ -232,22 +229,22 @@ def _line(
 
 
 KEPT_PROBLEMS = 1000
-"""Problems that are kept in words; all are counted."""
+"""Maximum number of problems kept in words; all are counted."""
 
 
 @dataclass(slots=True)
 class Survey:
-    """Figures of one journal. Ticks of measures and of events are kept, a few bytes each."""
+    """Figures of one journal, with the ticks of its measures and events."""
 
     journal: Journal
     ticks: int = 0
-    """The last tick there is a line of."""
+    """The tick of the last line."""
     skipped: int = 0
-    """Ticks left out in stalls."""
+    """Ticks skipped in stalls."""
     measure_tick: "array[int]" = field(default_factory=lambda: array("q"))
-    """When each measure began ..."""
+    """First tick of each measure."""
     measure: "array[int]" = field(default_factory=lambda: array("q"))
-    """... and which it is, from 1."""
+    """Number of each measure, from 1."""
     events: "dict[tuple[str, str], array[int]]" = field(default_factory=dict)
     """Ticks of the events, by source and type."""
     damaged: int = 0
@@ -255,16 +252,16 @@ class Survey:
 
     @property
     def seconds(self) -> float:
-        """Length of the show."""
+        """Length of the show [s]."""
         return self.ticks * TICK
 
     @property
     def counts(self) -> Counter[tuple[str, str]]:
-        """How many events there are, by source and type."""
+        """Number of events by source and type."""
         return Counter({key: len(ticks) for key, ticks in self.events.items()})
 
     def tempo(self) -> list[tuple[int, float]]:
-        """Tick and mean tempo [bpm] of each whole measure, in the patch's metre."""
+        """Return tick and mean tempo [bpm] of each complete measure, in the patch's metre."""
         clock = self.journal.patch.get("clock")
         beats = clock.get("beats_per_measure") if isinstance(clock, dict) else None
         beats = beats if isinstance(beats, int) and 2 <= beats <= 12 else 4
@@ -277,7 +274,7 @@ class Survey:
 
 
 def survey(journal: Journal) -> Survey:
-    """Read all lines of a journal once."""
+    """Survey a journal in one pass."""
     found = Survey(journal)
     for line in journal.usable():
         found.ticks = max(found.ticks, line.tick)

@@ -1,13 +1,7 @@
-"""JournalFile: a journal on disk, lines and snapshots, each written by a thread of its own.
+"""Writer for journals on disk: lines and snapshots, each written by a thread of its own.
 
-Snapshots lie beside the lines, one after another. The last few are there at every measure; of older ones every
-KEEP_EVERY-th stays, so that a long night stays small and any measure is a few measures' replay away.
-
-Clerk: writes by a thread of its own what the show hands over, so that the show never waits for the disk.
-
-WholeWrites: a file to which pieces are added that are there whole or not at all, whatever the disk does.
-
-LineWriter: lines of text into a file by a thread of its own, so that the show never waits for the disk.
+Snapshots go to a second file. The last few measures all have one; of older ones every KEEP_EVERY-th is kept, which
+limits the file size and keeps every measure a short replay away from a snapshot.
 """
 
 import contextlib
@@ -27,22 +21,23 @@ Item = TypeVar("Item")
 
 
 class Clerk(Generic[Item]):
-    """Thread: `put` and `close` from the show's thread; `_write` and `_finish`, which a file defines, run in its own.
+    """Base of file writers with a thread of their own; items are dropped and counted if the disk is slow or full.
 
-    When the disk is slow or full, things are dropped and counted.
+    Thread: `put` and `close` from the show's thread; `_begin`, `_write` and `_finish`, which subclasses define, run in
+    the writer's.
     """
 
     def __init__(self, name: str, capacity: int) -> None:
-        """Begin; `name` is the thread's, and `capacity` things may wait for the disk."""
+        """Start the thread. `name`: of the thread; `capacity`: maximum number of waiting items."""
         self._waiting: queue.Queue[Item | None] = queue.Queue(capacity)
         self._ends = False
         self.dropped = 0
-        """Things lost because the disk did not keep up or refused them."""
+        """Items lost because the disk was too slow or refused them."""
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
     def put(self, item: Item) -> bool:
-        """Hand over one thing; never waits. False if it is lost, for too many wait."""
+        """Queue one item without blocking. False if it is lost because the queue is full."""
         try:
             self._waiting.put_nowait(item)
         except queue.Full:
@@ -52,11 +47,11 @@ class Clerk(Generic[Item]):
 
     @property
     def behind(self) -> int:
-        """Things that wait for the disk."""
+        """Number of items that wait for the disk."""
         return self._waiting.qsize()
 
     def close(self) -> None:
-        """Write what waits and close; gives up on a stuck disk after two seconds."""
+        """Write all waiting items and close; gives up on a stuck disk after a few seconds."""
         try:
             self._waiting.put(None, timeout=1.0)
         except queue.Full:
@@ -64,7 +59,8 @@ class Clerk(Generic[Item]):
         self._thread.join(2.0)
 
     def end(self) -> bool:
-        """Have it write what waits and close, and do not wait for that; whether it has. To be called until it has."""
+        """Start to write all waiting items and close, without blocking. Returns whether it is done; call it until
+        then."""
         if not self._ends:
             with contextlib.suppress(queue.Full):
                 self._waiting.put_nowait(None)
@@ -81,7 +77,7 @@ class Clerk(Generic[Item]):
                 self._write(item)
             except OSError:
                 self.dropped += 1
-            except Exception as error:  # one thing that cannot be written must not be the last one
+            except Exception as error:  # one bad item must not end the thread
                 self.dropped += 1
                 FAULTS.note(f"the writer of the {self._thread.name}", error)
         try:
@@ -90,7 +86,7 @@ class Clerk(Generic[Item]):
             self.dropped += 1
 
     def _begin(self) -> None:
-        """What is to be done first, by the same thread."""
+        """Work before the first item, in the writer's thread."""
 
     def _write(self, item: Item) -> None:
         raise NotImplementedError
@@ -103,23 +99,23 @@ if sys.platform != "win32":
     import fcntl
 
 LOOK: Final = 0.02
-"""Seconds between two attempts to be the only one who writes."""
+"""Interval between attempts to lock the file [s]."""
 MOST: Final = 1 << 26
-"""Bytes that are read back at most."""
+"""Maximum number of bytes that are read back."""
 
 
 class WholeWrites:
-    """An open file without a buffer: what a full disk has taken of a piece is taken back. Thread: one at a time."""
+    """An unbuffered file with atomic appends: a partial write is undone. Thread: one at a time."""
 
     def __init__(self, path: Path, *, more: bool = False) -> None:
-        """Make the file, or go on behind what it holds (`more`); raises OSError if that cannot be."""
+        """Create the file, or append to it (`more`); raises OSError on failure."""
         self._path = path
         self._file = path.open("ab" if more else "wb", buffering=0)
         self.end = self._file.seek(0, os.SEEK_END)
-        """Bytes in it."""
+        """Size of the file [bytes]."""
 
     def add(self, data: bytes) -> None:
-        """Add a piece at the end; OSError if it has no room, and then nothing of it is there."""
+        """Append data; on OSError nothing of it remains in the file."""
         done = 0
         try:
             while done < len(data):
@@ -131,9 +127,10 @@ class WholeWrites:
         self.end += len(data)
 
     def lines_from(self, begin: int) -> list[bytes]:
-        """The whole lines behind so many bytes, without their ends; a last one that is cut off is taken back.
+        """Return the complete lines after the first `begin` bytes, without line breaks; a truncated last line is
+        removed.
 
-        Where the file is shorter than that, somebody else has written it: then those of its last MOST bytes.
+        If the file is shorter than `begin`, another process has rewritten it: then its last MOST bytes are read.
         """
         begin = max(begin if begin <= self.end else 0, self.end - MOST)
         with self._path.open("rb") as file:
@@ -144,8 +141,8 @@ class WholeWrites:
         return whole
 
     def claim(self, within: float = 0.0) -> None:
-        """Be the only process that writes it, until it is closed; BlockingIOError if another one still is after so
-        many seconds. Where the file system knows no locks (flock(2)) nothing is claimed."""
+        """Lock the file against other writers until it is closed; BlockingIOError if another process still holds the
+        lock after `within` seconds. Does nothing on file systems without locks (flock(2))."""
         if sys.platform == "win32":
             return
         deadline = time.monotonic() + within
@@ -161,17 +158,17 @@ class WholeWrites:
             time.sleep(LOOK)
 
     def cut(self, end: int) -> None:
-        """Forget what lies behind so many bytes."""
+        """Truncate the file to `end` bytes."""
         self._file.truncate(end)
         self.end = self._file.seek(end)
 
     @property
     def removed(self) -> bool:
-        """Whether somebody has removed the file, so that what is added is lost."""
+        """Whether the file was deleted, so that appended data would be lost."""
         return os.fstat(self._file.fileno()).st_nlink == 0
 
     def again(self) -> None:
-        """Make a removed file again, empty, with its folder; OSError if that cannot be, or another one is there now."""
+        """Create a deleted file again, empty, with its folder; OSError on failure, or if there is another one now."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         file = self._path.open("xb", buffering=0)
         self._file.close()
@@ -183,51 +180,51 @@ class WholeWrites:
 
 
 CAPACITY: Final = 65536
-"""Lines that may wait for the disk."""
+"""Maximum number of lines that wait for the disk."""
 CLAIM_WITHIN: Final = 5.0
-"""Seconds in which another process that writes the file ends, or is ended; two never write it at once."""
+"""Time limit for getting the lock [s]; a previous writer process ends, or is killed, within it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """How far lines have come to the disk."""
+    """Progress of a line writer."""
 
     number: int = 0
-    """Of the last line that is done with: it is in the file, or it is counted as missing."""
+    """Number of the last line handled: it is in the file, or counted as missing."""
     end: int = 0
-    """Bytes in the file then."""
+    """Size of the file then [bytes]."""
     missing: int = 0
-    """Lines lost since the last one that is in it."""
+    """Lines lost since the last one written."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unwritten:
-    """A file of lines that another process wrote until it ended, and lines of which it may have written some."""
+    """State of a file whose writer process has ended, with lines that may or may not be in it."""
 
     first: str
-    """The file's first line, for who has to begin it anew."""
+    """The file's first line, in case the file must be created again."""
     written: Written
-    """What is known to be in it."""
+    """Last known progress."""
     lines: Sequence[tuple[int, str]]
-    """All lines since, in order, each with its number."""
+    """All lines since then, in order, each with its number."""
 
 
 class LineWriter(Clerk[tuple[str, int, int]]):
-    """Takes lines from the show's thread; when the disk is slow or full, lines are dropped and counted.
+    """Writer for lines of text; lines are dropped and counted if the disk is slow or full.
 
-    Once there is room again it goes on, with the next line whole: each is there as a line or not at all. A file that
-    was removed is made again. Thread: the file is touched only by the writer's own, after the start.
+    Each line is written completely or not at all, and writing resumes once there is room. A deleted file is created
+    again. Thread: after the start only the writer's thread accesses the file.
     """
 
     def __init__(
         self, path: Path, *, name: str, more: bool = False, mark: Callable[[str, int], str] | None = None,
         unwritten: Unwritten | None = None, aside: Callable[[Path], object] = lambda path: None,
     ) -> None:  # fmt: skip
-        """Raises OSError if the file cannot be made; `name` is the thread's; `more`: behind what the file holds.
+        """Raises OSError if the file cannot be created. `name`: of the thread; `more`: append to the file.
 
-        `mark` writes into a line how many before it are missing; then the first line, without which the others mean
-        nothing, is never left out. `unwritten`: the file is gone on with where another process ended; it is opened by
-        the thread, and nothing is raised. `aside`: what is done with a file that begins otherwise.
+        `mark` adds the number of missing lines to the next line; with it the first line (a header) is never dropped.
+        `unwritten`: continue the file of a process that has ended; then the thread opens the file and nothing is
+        raised. `aside`: called with the path if that file has another first line.
         """
         self._path = path
         self._due, self._aside = unwritten, aside
@@ -236,20 +233,20 @@ class LineWriter(Clerk[tuple[str, int, int]]):
             with contextlib.suppress(BlockingIOError):
                 self._file.claim()
         self._mark = mark
-        self._missed = 0  # that found too many waiting, since the last that did not
+        self._missed = 0  # lines dropped by a full queue since the last one queued
         self._first = b"" if unwritten is None else unwritten.first.encode() + b"\n"
-        self._owed: bytes = b""  # to be written before anything else
+        self._owed: bytes = b""  # must be written before anything else
         self._there = 0
         self.missing = 0
-        """Lines lost since the last one that was written."""
+        """Lines lost since the last one written."""
         self.lines, self.bytes = 0, 0
-        """Lines taken, and bytes written, since the start."""
+        """Lines queued, and bytes written, since the start."""
         self.written: Written | None = None
-        """How far they have come; None until the file is open."""
+        """Progress; None until the file is open."""
         super().__init__(name, CAPACITY)
 
     def line(self, line: str, number: int = 0) -> None:
-        """Hand over one line, without its end; never waits. `number`: how `written` is to speak of it."""
+        """Queue one line, without its line break; never blocks. `number`: its number in `written`."""
         if self.put((line, self._missed, number)):
             self._missed = 0
             self.lines += 1
@@ -257,7 +254,7 @@ class LineWriter(Clerk[tuple[str, int, int]]):
             self._missed += 1
 
     def _begin(self) -> None:
-        """Cut what is torn, and write what is missing."""
+        """Resume the file of another process: remove a truncated line and write the missing ones."""
         due = self._due
         if due is None:
             return
@@ -274,7 +271,7 @@ class LineWriter(Clerk[tuple[str, int, int]]):
         self.missing += due.written.missing
         if file.end == 0 and not (due.lines and due.lines[0][1] == due.first):
             self._owed = self._first
-            self.missing += 1  # or more: nobody knows what the file held
+            self.missing += 1  # at least one: the former content is unknown
         for number, line in not_there(due.lines, there):
             try:
                 self._write((line, 0, number))
@@ -329,15 +326,15 @@ class LineWriter(Clerk[tuple[str, int, int]]):
 
 
 def not_there(lines: Sequence[tuple[int, str]], there: Sequence[bytes]) -> Sequence[tuple[int, str]]:
-    """The last of `lines`, behind all that are `there` (n whole lines of a file, in the same order).
+    """Return those of `lines` that follow the last one that is `there` (complete lines of a file, in the same order).
 
-    A line before one that is there, and not there itself, was lost by whoever wrote: it is not written out of order.
-    A line to which it was added what is missing before it counts as the same.
+    Earlier lines that are not in the file were lost and are not written out of order. A line with a gap mark equals
+    the line without it.
     """
     texts = [line.encode() for _, line in lines]
     places: dict[bytes, list[int]] = {}
     for place in range(len(texts) - 1, -1, -1):
-        places.setdefault(texts[place], []).append(place)  # the first is the last of the list
+        places.setdefault(texts[place], []).append(place)  # descending, so that pop() returns the first
     begin = 0
     for row in there:
         found = places.get(row) or places.get(without_mark(row)) or []
@@ -349,7 +346,7 @@ def not_there(lines: Sequence[tuple[int, str]], there: Sequence[bytes]) -> Seque
 
 
 def begins_with(path: Path, first: bytes) -> bool:
-    """Whether a file, if it is there and holds anything, begins with these bytes."""
+    """Whether a file begins with these bytes, or is empty or missing."""
     try:
         with path.open("rb") as file:
             head = file.read(len(first))
@@ -359,34 +356,34 @@ def begins_with(path: Path, first: bytes) -> bool:
 
 
 def without_mark(row: bytes) -> bytes:
-    """A line without what a `mark` like `with_gap` added at its end."""
+    """Return a line without the gap mark that `with_gap` adds."""
     head, comma, tail = row.rpartition(b',"gap":')
     return head + b"}" if comma and tail[:-1].isdigit() else row
 
 
 KEEP_EVERY: Final = 8
-"""Of so many snapshots one stays."""
+"""One in this many snapshots is kept."""
 WAITING: Final = 2
-"""Snapshots that may wait for the disk; more are dropped, and counted."""
+"""Maximum number of snapshots that wait for the disk; more are dropped and counted."""
 MARK: Final = b'{"snapshot":'
-"""With this the first line of a snapshot begins."""
+"""Start of each snapshot's first line."""
 LONGEST_HEADER: Final = 4096
 GAP: Final = "gap"
-"""In a line of a journal: so many before it are missing."""
+"""Key in a journal line: number of lines missing before it."""
 SNAPSHOTS: Final = ".snap"
-"""What is added to a journal's name for the file of its snapshots."""
+"""Suffix of the snapshot file, appended to the journal's name."""
 
 
 class Sealable(Protocol):
-    """A snapshot (`Taken`, or one that another process has sealed)."""
+    """A snapshot to be written: `Taken`, or one that another process has sealed."""
 
     def seal(self) -> bytes:
-        """As it is written. Thread: any."""
+        """Return the bytes of the snapshot. Thread: any."""
         ...
 
 
 def keep_aside(path: Path) -> Path | None:
-    """Move a file that is there, and its snapshots, to the first free of path.1, path.2 …; None if there is none."""
+    """Move an existing file and its snapshots to the first free of path.1, path.2 …; None if there is no file."""
     if not path.is_file() or path.stat().st_size == 0:
         return None
     number = 1
@@ -400,14 +397,14 @@ def keep_aside(path: Path) -> Path | None:
 
 
 class SnapshotFile(Clerk[Sealable]):
-    """Writes snapshots by a thread of its own; when the disk is slow or full, they are dropped and counted."""
+    """Writer for snapshots; they are dropped and counted if the disk is slow or full."""
 
     def __init__(self, path: Path, *, kept: int = 0) -> None:
-        """Raises OSError if the file cannot be made; `kept`: of a file that is there, so many bytes stay."""
+        """Raises OSError if the file cannot be created; `kept`: bytes of an existing file to keep."""
         self._file = WholeWrites(path, more=kept > 0)
         self._file.cut(min(kept, self._file.end))
         self.kept = self._file.end
-        """Where what stays ends [bytes]."""
+        """Size of the part that is kept permanently [bytes]."""
         self.written, self.bytes = 0, 0
         """Snapshots and bytes written, since the start."""
         super().__init__("snapshots", WAITING)
@@ -433,18 +430,17 @@ class SnapshotFile(Clerk[Sealable]):
 
 
 def with_gap(line: str, missing: int) -> str:
-    """A line of a journal (one JSON object) that says: before it so many are missing."""
+    """Return a journal line (one JSON object) with the number of lines missing before it."""
     return f'{line[:-1]},"{GAP}":{missing}}}'
 
 
 class JournalFile:
-    """A `JournalSink` of two files."""
+    """A `JournalSink` with two files, for lines and for snapshots."""
 
     def __init__(self, path: Path, snapshots: Path, *, unwritten: Unwritten | None = None, kept: int = 0) -> None:
-        """Raises OSError if they cannot be made; `snapshots` is made with the first one.
+        """Raises OSError if a file cannot be created; `snapshots` is created with the first snapshot.
 
-        `unwritten`: both are there and are gone on with, of the snapshots' the first `kept` bytes; then nothing is
-        raised.
+        `unwritten`: continue existing files, with the first `kept` bytes of the snapshots; then nothing is raised.
         """
         self._lines = LineWriter(path, name="journal", mark=with_gap, unwritten=unwritten, aside=keep_aside)
         self._beside = snapshots
@@ -455,23 +451,23 @@ class JournalFile:
         self._refused = 0
 
     def put(self, line: str, number: int = 0) -> None:
-        """Take one line, without its end; `number`: how `written` is to speak of it."""
+        """Accept one line, without its line break; `number`: its number in `written`."""
         self._lines.line(line, number)
 
     @property
     def written(self) -> tuple[Written, int] | None:
-        """How far the lines have come, and how many bytes of snapshots stay; None until that is known."""
+        """Progress of the lines, and permanently kept bytes of the snapshots; None until it is known."""
         if self._lines.written is None:
             return None
         return self._lines.written, self._kept if self._snapshots is None else self._snapshots.kept
 
     def end(self) -> bool:
-        """Have it write what waits and close; whether it has. To be called until it has; never waits."""
+        """Start to write everything and close, without blocking. Returns whether it is done; call it until then."""
         ended = [file.end() for file in (self._lines, self._snapshots) if file is not None]
         return all(ended)
 
     def snapshot(self, taken: Sealable) -> None:
-        """Take a snapshot."""
+        """Accept a snapshot."""
         if self._snapshots is None:
             try:
                 self._snapshots = SnapshotFile(self._beside, kept=self._kept)
@@ -481,7 +477,7 @@ class JournalFile:
         self._snapshots.put(taken)
 
     def facts(self) -> dict[str, int]:
-        """Figures of both files."""
+        """Return the figures of both files."""
         lines, other = self._lines, self._snapshots
         return {
             "lines": lines.lines,
@@ -495,15 +491,15 @@ class JournalFile:
         }
 
     def close(self) -> None:
-        """Write what waits and close."""
+        """Write everything and close."""
         self._lines.close()
         if self._snapshots is not None:
             self._snapshots.close()
 
 
 def read_snapshots(path: Path, problems: list[str]) -> Iterator[bytes]:
-    """The snapshots of a file, one after another; what is damaged is told in `problems` and left out."""
-    from live.show.state.snapshot import SnapshotError, facts_of  # whoever only writes needs no array
+    """Yield the snapshots of a file; damaged ones are skipped and reported in `problems`."""
+    from live.show.state.snapshot import SnapshotError, facts_of  # imports numpy, which a writer process does not need
 
     try:
         file = path.open("rb")
@@ -528,7 +524,7 @@ def read_snapshots(path: Path, problems: list[str]) -> Iterator[bytes]:
 
 
 def _next_mark(file: BinaryIO, begin: int) -> int | None:
-    """Where from `begin` on the next snapshot begins."""
+    """Return the position of the next snapshot from `begin` on; None if there is none."""
     file.seek(begin)
     kept, place = b"", begin
     while block := file.read(1 << 20):

@@ -1,4 +1,4 @@
-"""FrameReport: what a film's dancers really did, measured frame by frame in the form of the contracts."""
+"""Motion quality report of a film, measured frame by frame."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ Bool = npt.NDArray[np.bool_]
 
 
 class FrameReport:
-    """Feed it every frame of a film; `result` gives the figures. Frames must be evenly spaced in time."""
+    """Collector of motion figures: call `frame` for every frame, evenly spaced in time, then `result`."""
 
     def __init__(self, show: Show) -> None:
         self._show = show
@@ -27,10 +27,10 @@ class FrameReport:
         self._trace: MotionTrace | None = None
         self._times: list[float] = []
         self._joins: list[tuple[float, float, Int32]] = []
-        """Of each measure line: its time, the length of the blend before it, who changed the clip there."""
+        """For each measure line: its time, the length of the blend before it, the dancers that changed the clip."""
         self._clips: set[int] = set()
         self._line = 0.0
-        """The beat at which the measure that is danced will end."""
+        """End of the current measure [beats]."""
         self._overlaps = 0
         self._nearest = np.inf
         self._beats: list[float] = []
@@ -42,12 +42,12 @@ class FrameReport:
         self._path_errors: list[float] = []
         self._heading_errors: list[float] = []
         self._there = show.motion.present.copy()
-        """Who was seen in the last frame; those who wait in the wings are not reported."""
+        """Dancers visible in the last frame; dancers off stage are not reported."""
         self._always = self._there.copy()
-        """Who was seen in all of them: of these the smoothness is measured."""
+        """Dancers visible in all frames; smoothness is measured for these."""
 
     def frame(self, view: StageView) -> None:
-        """Take one frame, right after it was filled."""
+        """Add one frame, right after it was filled."""
         if self._show.span.number != self._measure:
             self._begin_measure()
         self._feet(view)
@@ -57,7 +57,7 @@ class FrameReport:
         self._beat_times(view)
 
     def _begin_measure(self) -> None:
-        """Note the steps danced, and where the dancers who crossed the line stand against where they should."""
+        """Record the new steps, and the position and heading errors at the measure line."""
         show = self._show
         dancers, library = show.dancers, show.graph.library
         self._measure = show.span.number
@@ -85,7 +85,7 @@ class FrameReport:
             self._heading_errors.append(float(np.degrees(np.abs(np.arctan2(np.sin(off), np.cos(off)))).mean()))
 
     def _cost(self, before: int, node: int) -> float | None:
-        """Distance of the poses that are joined [m]; None at the beginning, and where a measure was repeated."""
+        """Return the pose distance of a transition [m]; None at the beginning and for a repeated measure."""
         graph = self._show.graph
         if before < 0:
             return None
@@ -94,7 +94,7 @@ class FrameReport:
         return round(float(cost[0]), 4) if len(cost) else None
 
     def _note_joins(self) -> None:
-        """Who changed the clip at the measure line just crossed, and which clips are danced."""
+        """Record the dancers that changed the clip at the measure line just crossed, and the clips in use."""
         show = self._show
         library, node = show.graph.library, show.dancers.node
         self._clips.update(library.node_clip[node[show.motion.present]].tolist())
@@ -132,7 +132,7 @@ class FrameReport:
         self._nearest = min(self._nearest, float(apart.min()))
 
     def _beat_times(self, view: StageView) -> None:
-        """When a clip's own beat is shown, against the Timeline's: crossings of whole beats between two frames."""
+        """Record when a clip's beat is shown and the time of the Timeline's beat, at crossings of whole beats."""
         beats = view.beats_per_measure
         number, danced = self._show.span.number, self._show.span.fraction(view.beat) * beats
         if self._last_phase is not None:
@@ -148,16 +148,16 @@ class FrameReport:
 
     @property
     def slide(self) -> Float64:
-        """Speeds over the floor [m/s] of feet that the clips have in contact, (n,)."""
+        """Sliding speeds [m/s] of feet that are in contact in the clips, (n,)."""
         return np.concatenate(self._slides) if self._slides else np.zeros(0)
 
     @property
     def beat_offsets(self) -> Float64:
-        """When the clips' own beats were shown, minus the Timeline's [s], (n,)."""
+        """Times at which the clips' beats were shown, minus the Timeline's beats [s], (n,)."""
         return np.array(self._beats)
 
     def result(self) -> dict[str, Any]:
-        """The figures; null where nothing was measured."""
+        """Return the figures; None where nothing was measured."""
         found = self.slide
         return {
             "foot_slide_mean": float(found.mean()) if len(found) else None,
@@ -175,7 +175,8 @@ class FrameReport:
         }
 
     def _join_ratios(self) -> dict[str, Any]:
-        """The largest velocity change and acceleration at joins, against those of the raw clips at this tempo."""
+        """Return the largest velocity change and acceleration at transitions, relative to the raw clips at this
+        tempo."""
         values: dict[str, Any] = {"join_velocity_ratio": None, "join_acceleration_ratio": None}
         if self._trace is None or not self._joins:
             return values
@@ -194,7 +195,7 @@ class FrameReport:
         return values
 
     def _beat_figures(self) -> dict[str, Any]:
-        """Offsets and alignment, of the clips' annotated beats and of those that the motion itself has."""
+        """Return offsets and alignment of the clips' annotated beats and of kinematic beats."""
         near: list[Float64] = []
         music: list[float] = []
         kinematic: list[float] = []
@@ -218,5 +219,5 @@ class FrameReport:
 
     @property
     def _rate(self) -> float:
-        """Pictures a second."""
+        """Frames per second."""
         return (len(self._times) - 1) / (self._times[-1] - self._times[0])

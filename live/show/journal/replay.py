@@ -1,7 +1,4 @@
-"""Replay: run a journal again, from its beginning or from a snapshot, and compare the state hash of every measure.
-
-Where a replay begins: with the show as it began, or with a snapshot; each with the steps that were there by then.
-"""
+"""Replay of a journal from its beginning or from a snapshot, with a comparison of every measure's state hash."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -28,31 +25,31 @@ from live.show.state.snapshot import SnapshotError, facts_of, patch_hash, restor
 
 
 class ReplayError(Exception):
-    """A journal that cannot be run here; the message says what is missing or different."""
+    """A journal that cannot be replayed here; the message names the missing or different part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """A show, and the tick after which it stands."""
+    """Start of a replay: a show in its state after `tick`."""
 
     show: Show
     tick: int
 
 
 def reload(journal: Journal) -> Show:
-    """A fresh show of the journal's patch, steps and seed; ReplayError if the steps are not the same any more."""
+    """Return a fresh show of the journal's patch, steps and seed; ReplayError if the steps have changed."""
     return first_start(journal, loaded_by(journal)).show
 
 
 def loaded_by(journal: Journal) -> LoadedShow:
-    """Patch and steps with which the journal's show began, those that came later in reserve; ReplayError as above."""
+    """Load the initial patch and steps of a journal, with later steps in reserve; ReplayError as above."""
     changed = (row.event for row in journal.rows_with('"StepsChanged"') if isinstance(row.event, StepsChanged))
     return loaded_of(journal.header, _added(journal), changed)
 
 
 def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()) -> LoadedShow:
-    """The same by a journal's header, by what each StepsAdded has added, and by every StepsChanged; ReplayError as
-    above."""
+    """Load a show from a journal's header, the clip keys of each StepsAdded and all StepsChanged events; ReplayError
+    as above."""
     try:
         patch = Patch.model_validate(header["patch"])
         path = Path(header["patch_path"])
@@ -62,7 +59,7 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
         if not isinstance(seed, int) or not isinstance(tempo, int | float | None):
             raise TypeError("'seed' is a whole number, 'tempo' a number or null")
     except (KeyError, TypeError, ValueError) as error:
-        raise ReplayError(f"the journal's first line does not hold a whole show: {error}") from None
+        raise ReplayError(f"the journal's first line does not hold a complete show: {error}") from None
     try:
         later = frozenset(key for keys in added for key in keys)
         names, was = [str(name) for name in header.get("steps", ())], _as_they_were(changed)
@@ -84,7 +81,7 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
 
 
 def first_start(journal: Journal, loaded: LoadedShow) -> Start:
-    """The journal's show as it began."""
+    """Return the start at tick 0."""
     try:
         return Start(loaded.start(seed=journal.header["seed"], tempo=journal.header["tempo"]), 0)
     except PersonError as error:
@@ -92,7 +89,7 @@ def first_start(journal: Journal, loaded: LoadedShow) -> Start:
 
 
 def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: list[str]) -> Start:
-    """The last snapshot from before `measure` (from 1) begins, or the beginning; `problems`: what is damaged."""
+    """Return the last start before `measure` (from 1): a snapshot, or tick 0. Damage is added to `problems`."""
     best, gaps = None, left_out(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
         facts = facts_of(data)
@@ -107,7 +104,7 @@ def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: l
 
 
 def starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str]) -> Iterator[Start]:
-    """The snapshots that were taken after `tick`, in order."""
+    """Yield the snapshots taken after `tick`, in order."""
     gaps = left_out(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
         now = facts_of(data)["tick"]
@@ -119,12 +116,12 @@ def starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str
 
 
 def snapshots_of(journal: Journal) -> Path:
-    """The file of a journal's snapshots; it need not be there."""
+    """Return the path of a journal's snapshot file; the file need not exist."""
     return journal.path.with_name(journal.path.name + ".snap")
 
 
 def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> Start:
-    """The show of a snapshot, with the patch and the steps that it had by then."""
+    """Return the start at a snapshot, with the patch and steps of that time."""
     facts = facts_of(data)
     for event in _changes(journal):
         if (facts["steps_hash"], facts["patch_hash"]) == (steps_hash(loaded.graph), patch_hash(loaded.patch)):
@@ -137,7 +134,7 @@ def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> Start:
 
 
 def _changed(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
-    """The show as it goes on after an event that changed its patch or steps; ValueError for a damaged one."""
+    """Return the loaded show after an event that changed its patch or steps; ValueError for a damaged event."""
     match event:
         case StepsAdded():
             clips = [loaded.reserve[key] for key in event.clips.split("\n") if key in loaded.reserve]
@@ -153,14 +150,14 @@ def _changed(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
 
 
 def _changes(journal: Journal) -> Iterator[ControlEvent]:
-    """The events that changed patch or steps, in order."""
+    """Yield the events that changed patch or steps, in order."""
     for row in journal.rows_with('"StepsAdded"', '"StepsChanged"', '"PatchChanged"'):
         if isinstance(row.event, StepsAdded | StepsChanged | PatchChanged):
             yield row.event
 
 
 def _as_they_were(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
-    """Clips whose files were changed or taken away during the show, as they were before."""
+    """Return the original clips whose files were changed or removed during the show."""
     was: dict[str, StepClip] = {}
     came: set[str] = set()
     for event in changed:
@@ -172,7 +169,7 @@ def _as_they_were(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
 
 
 def _added(journal: Journal) -> Iterator[list[str]]:
-    """What each event that added steps has added."""
+    """Yield the clip keys of each event that added steps."""
     for row in journal.rows_with('"StepsAdded"'):
         if isinstance(row.event, StepsAdded):
             yield row.event.clips.split("\n")
@@ -181,35 +178,35 @@ def _added(journal: Journal) -> Iterator[list[str]]:
 __all__ = ["ReplayError", "Replayed", "Replaying", "reload", "replay"]
 
 KEPT_DIFFERENCES: Final = 1000
-"""Differences that are kept; a journal that differs from one measure on differs in all."""
+"""Maximum number of differences kept; after the first one usually all measures differ."""
 
 
 @dataclass(slots=True)
 class Replayed:
-    """What a replay found."""
+    """Result of a replay."""
 
     ticks: int = 0
-    """The tick at which it ended."""
+    """The last tick."""
     begun: int = 0
-    """The tick from which it ran."""
+    """The first tick."""
     measures: int = 0
-    """Measures compared."""
+    """Number of measures compared."""
     different: int = 0
-    """Measures whose state differs ..."""
+    """Number of measures whose state differs."""
     differences: tuple[tuple[int, int, str, str], ...] = ()
-    """... and the first of them: measure, tick, then, now."""
+    """The first of them: measure, tick, recorded hash, hash of the replay."""
     lacking: list[tuple[int, int]] = field(default_factory=list)
-    """The measures between that could not be compared, first and last of each row: their lines could not be written or
-    read, or they fell into ticks that the show left out."""
+    """Ranges of measures (first, last) that could not be compared: their lines could not be written or read, or the
+    show skipped their ticks."""
     last: int | None = None
-    """The measure that was compared last."""
+    """The measure compared last."""
     failed: int = 0
-    """Events that ended in an error of the program, and were refused, then as now."""
+    """Events that raised an error of the program and were refused, in the show as in the replay."""
     problems: list[str] = field(default_factory=list)
-    """What of the journal could not be used, in words."""
+    """Unusable parts of the journal, in words."""
 
     def note(self, measures: Iterable[int], *, compared: bool = True) -> None:
-        """Note that `measures` of the journal are compared now, or that those after the last one never will be."""
+        """Record that `measures` were compared, or (`compared` false) that all up to the last of them never will be."""
         latest = max(measures, default=0)
         lacks = latest - 1 if compared else latest
         if self.last is not None and lacks > self.last:
@@ -218,18 +215,18 @@ class Replayed:
 
 
 class Replaying:
-    """Runs a show through the lines of a journal, as far as it is asked to."""
+    """Runs a show through the lines of a journal, step by step."""
 
     def __init__(
         self, show: Show, lines: Iterator[JournalLine], *, tick: int = 0, compare: bool = True, to: int | None = None
     ) -> None:
-        """`show` stands after `tick`. With `compare` the hash of each measure is; `to`: it ends with that measure."""
+        """`show` is in its state after `tick`. `compare`: whether state hashes are compared; `to`: the last measure."""
         self.show = show
         self.tick = tick
         self.over = False
-        """Whether there is nothing more to run."""
+        """Whether the replay has ended."""
         self.damaged: float | None = None
-        """The tick up to which something is lost, if it has come to a damaged line and stands before it."""
+        """If the replay has stopped before a damaged line: the tick up to which lines may be lost."""
         self.found = Replayed(ticks=tick, begun=tick)
         self._lines = lines
         self._line: JournalLine | None = None
@@ -239,16 +236,16 @@ class Replaying:
         self._take()
 
     def _take(self) -> None:
-        """Read the next line that counts."""
+        """Read the next line that is relevant."""
         for line in self._lines:
             if line.tick < self._begun or (line.tick == self._begun and line.measure is not None):
-                continue  # what was before the snapshot, and its own measure line
+                continue  # lines before the snapshot, and its own measure line
             self._line = line
             return
         self._line, self.over = None, True
 
     def advance(self, until: float) -> None:
-        """Run up to the tick `until`, if the journal goes so far; events at that tick itself wait for the next call."""
+        """Run up to the tick `until` or the end of the journal; events at that tick wait for the next call."""
         while not self.over and self.damaged is None:
             line = self._line
             assert line is not None
@@ -263,7 +260,7 @@ class Replaying:
         self.found.ticks = self.tick
 
     def advance_to(self, measure: int) -> None:
-        """Run until `measure` (from 1) begins, if the journal goes so far."""
+        """Run until `measure` (from 1) begins, or to the end of the journal."""
         while not self.over and self.damaged is None and self.show.span.number + 1 < measure:
             self.advance(self.tick + 1)
 
@@ -289,7 +286,7 @@ class Replaying:
         self._take()
 
     def _stop(self, line: JournalLine | None) -> None:
-        """Stop before a damaged line: what was in it acted at the tick of the next whole line, at the latest."""
+        """Stop before a damaged line. Its events acted no later than the tick of the next undamaged line."""
         while line is not None and line.damaged is not None:
             self.found.problems.append(line.damaged)
             line = next(self._lines, None)
@@ -308,14 +305,14 @@ class Replaying:
 
 
 def replay(show: Show, journal: Journal) -> Replayed:
-    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as the machine can."""
+    """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as possible."""
     return run_from(Start(show, 0), journal)
 
 
 def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None, to: int | None = None) -> Replayed:
-    """The same from any start; `to`: the replay ends with that measure (from 1).
+    """Replay from any start; `to`: the last measure (from 1).
 
-    Where a line is damaged it goes on from the next snapshot, if `loaded` is given and there is one.
+    After a damaged line the replay resumes at the next snapshot, if `loaded` is given and there is one.
     """
     running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
     found = running.found
@@ -327,6 +324,6 @@ def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None
         if after is None:
             found.note((line.measure for line in journal.usable() if line.measure), compared=False)
             return found
-        found.problems.append(f"the replay goes on from the snapshot in measure {after.show.span.number + 1}")
+        found.problems.append(f"the replay resumes at the snapshot in measure {after.show.span.number + 1}")
         running = Replaying(after.show, journal.usable(), tick=after.tick, to=to)
         running.found = found

@@ -1,9 +1,9 @@
-"""What a show left out when it went on calmer: events that are in its journal and did not act after all.
+"""Skipped events: events that a journal contains but that were not applied after a crash.
 
-After too many crashes another engine goes on without the last events, for one of them may be the cause (`live.alive`).
-They had been noted before they acted, so the journal has them. A line after them says how many of the last do not
-count: `{"tick":6400,"left_out":3}`. Measures that began between the first of them and that line have hashes of what no
-longer holds; nobody compares these.
+After repeated crashes a new engine continues without the last events, because one of them may be the cause
+(`live.supervisor`). The journal has them, because events are written before they are applied; a later line states how
+many of the last events were skipped: `{"tick":6400,"left_out":3}`. State hashes between the first skipped event and
+that line are invalid and are not compared.
 """
 
 import json
@@ -16,49 +16,49 @@ from typing import Any, Final
 
 LEFT_OUT: Final = "left_out"
 SINCE: Final = "since"
-"""Of an event that acted at an earlier tick than that of its line: what was danced since was danced anew."""
+"""Key of an event that acted at an earlier tick than that of its line; the ticks since were simulated again."""
 LONGEST: Final = 1 << 26
-"""Characters of a line at most, as for who reads the journal."""
+"""Maximum length of a line in characters."""
 MOST: Final = 65536
-"""Events that one such line can mean; two seconds have far fewer."""
+"""Maximum number of events that one line can skip; two seconds have far fewer."""
 MOST_ANEW: Final = 256
-"""Stages that were put out of service so; each takes three engines."""
+"""Maximum number of such inserted events (tripped stages); each one takes three engine crashes."""
 TICK_OF: Final = re.compile(r'"tick":\s*(\d{1,13})')
 KEPT: Final = "TicksSkipped"
-"""Never left out: it only says how ticks are counted."""
+"""Event type that is never skipped, because it only counts ticks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Events that do not count, by their lines in the file (from 1)."""
+    """A group of skipped events, by line number in the file (from 1)."""
 
     first: int
-    """The line of the first of them."""
+    """Line of the first event."""
     mark: int
-    """The line that says so."""
+    """Line that declares the gap."""
     events: frozenset[int]
     ticks: tuple[int, int]
-    """Of the first of them and of that line."""
+    """Ticks of the first event and of the declaring line."""
     anew: str = ""
-    """The line of an event that acts at the first of these ticks, whose own line it is that says so."""
+    """The declaring line, if it is itself an event that acts at the first of these ticks."""
 
     def holds(self, tick: int) -> bool:
-        """Whether a state taken after that tick is one that no longer holds."""
+        """Whether a state recorded after that tick is invalid."""
         return self.ticks[0] < tick <= self.ticks[1]
 
 
 def can_be_left_out(event: object) -> bool:
-    """Whether an event, as it is in the journal, may be left out."""
+    """Whether an event, in its journal form, may be skipped."""
     return not (isinstance(event, dict) and event.get("type") == KEPT)
 
 
 def left_out_line(tick: int, count: int) -> dict[str, Any]:
-    """The line that says: the last `count` events before this tick did not act."""
+    """Return the line that declares the last `count` events before this tick as skipped."""
     return {"tick": tick, LEFT_OUT: count}
 
 
 def without_the_last(lines: Sequence[tuple[int, str]], count: int) -> list[tuple[int, str]]:
-    """Lines, each with its tick, without the last `count` events and the measures noted since the first of them."""
+    """Return lines (tick, text) without the last `count` events and the measures recorded since the first of them."""
     kept: list[tuple[int, str]] = []
     for tick, line in reversed(lines):
         event = _is_event(line)
@@ -70,7 +70,7 @@ def without_the_last(lines: Sequence[tuple[int, str]], count: int) -> list[tuple
 
 
 def left_out(path: Path) -> list[Gap]:
-    """All that a journal says of events that do not count; quick: only the lines that say so are looked into."""
+    """Return all gaps of skipped events in a journal; fast, because only the declaring lines are parsed."""
     most, anew = 0, list[tuple[int, int, str]]()
     for number, row in _rows(path):
         if f'"{LEFT_OUT}"' in row:
@@ -100,7 +100,7 @@ def left_out(path: Path) -> list[Gap]:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, str]]:
-    """All rows but the first, with their numbers (from 1)."""
+    """Yield all rows but the first, with their numbers (from 1)."""
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, row in enumerate(iter(lambda: file.readline(LONGEST), ""), 1):
             if number > 1:

@@ -1,4 +1,4 @@
-"""A short hash over every bit of some arrays, by which two runs of a show are compared."""
+"""Short hash over every bit of some arrays, for comparing two runs of a show."""
 
 import hashlib
 
@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 
 def hash_of(*arrays: npt.NDArray[np.generic]) -> str:
-    """16 hexadecimal digits that differ, in all likelihood, where any bit of the arrays does."""
+    """Return a hash of 16 hexadecimal digits over the arrays' bytes."""
     digest = hashlib.blake2b(digest_size=8)
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())

@@ -1,1 +1,1 @@
-"""The choice of every dancer's next step. It may import what `show` may."""
+"""Step selection: the choice of each dancer's next step. It may import what `show` may."""

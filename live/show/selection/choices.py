@@ -1,8 +1,7 @@
-"""Choices: why each dancer got the measure she got, in arrays: chosen and runner-up, scores by term, prediction, error.
+"""Record of the last step choice of each dancer: candidates, scores by term, targets and errors.
 
-Nothing here costs a frame anything but a few copies a measure; words are made only for whom somebody asks about.
-
-Behind: dancers whose steps do not take them where they are sent, and what would (T003, T068, T075).
+It explains single choices on request, and reports dancers whose steps do not reach their targets, with a recording that
+would help (T003, T068, T075). Recording costs a few array copies per measure.
 """
 
 from typing import Any, Final
@@ -19,50 +18,53 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 BEHIND_M: Final = 0.4
-"""A dancer who ends so far from where she was sent [m] ..."""
+"""A dancer who ends farther than this from the wished place [m] ..."""
 BEHIND_MEASURES: Final = 3
-"""... for so many measures in a row is behind: her steps do not go where they are sent (T075)."""
+"""... in this many measures in a row is behind: the steps do not reach the targets (T075)."""
 
 
 class Choices:
-    """What was chosen for A dancers the last time, and how it went the time before."""
+    """The last choice for A dancers, and the errors of the one before."""
 
     def __init__(self, count: int) -> None:
         self.edge: Int32 = np.full((count, 2), -1, np.int32)
-        """Edge of the graph, chosen and runner-up, -1 for none, shape (A, 2)."""
+        """Edges of the graph, chosen and runner-up, -1 for none, shape (A, 2)."""
         self.candidate: Int32 = np.full((count, 2), -1, np.int32)
-        """Row of the candidates, likewise."""
+        """Rows of the candidates, likewise."""
         self.terms: Float64 = np.zeros((count, 2, len(TERMS)))
-        """What each of TERMS costs them, shape (A, 2, 5)."""
+        """Cost of each of TERMS for both, shape (A, 2, 5)."""
         self.end: Float64 = np.zeros((count, 4))
-        """Where the chosen one ends, not corrected: x, z [m], turn [rad], what is left of the heading, (A, 4)."""
+        """End of the chosen one without correction: x, z [m], turn [rad], remaining heading error [rad], (A, 4)."""
         self.node: Int32 = np.full((count, 2), -1, np.int32)
         """Nodes, chosen and runner-up, shape (A, 2)."""
         self.stand: Float64 = np.zeros((count, 2))
-        """Where the measure begins [m], shape (A, 2)."""
+        """Position at the beginning of the measure [m], shape (A, 2)."""
         self.heading: Float64 = np.zeros(count)
-        """The heading there [rad], shape (A,)."""
+        """Heading at the beginning of the measure [rad], shape (A,)."""
         self.step: Int32 = np.full(count, -1, np.int32)
-        """The step that was wanted, -1 for any, shape (A,)."""
+        """The wanted step, -1 for any, shape (A,)."""
         self.wish: Float64 = np.zeros((count, 2))
-        """Where each dancer should be at the measure's end if steps went any way, [m], shape (A, 2)."""
+        """Wished position at the measure's end, whatever the steps reach [m], shape (A, 2)."""
         self.target: Float64 = np.zeros((count, 2))
-        """The predicted agent: as much of that as the wanted step reaches [m], shape (A, 2)."""
+        """The part of the way to it that the wanted step reaches (predicted agent) [m], shape (A, 2)."""
         self.error: Float64 = np.zeros(count)
-        """How far from the predicted agent the measure before ended [m], shape (A,)."""
+        """Distance between the target and the end of the measure before [m], shape (A,)."""
         self.lag: Float64 = np.zeros(count)
-        """How far from the wish it ended [m], shape (A,)."""
+        """Distance between the wish and the end of the measure before [m], shape (A,)."""
         self.behind: Int32 = np.zeros(count, np.int32)
-        """For how many measures in a row she has ended farther than BEHIND_M from the wish, shape (A,)."""
+        """Number of measures in a row that ended farther than BEHIND_M from the wish, shape (A,)."""
         self._decided = False
 
     @property
     def out(self) -> tuple[Int32, Int32, Float64, Float64]:
-        """What the choice writes."""
+        """The arrays that the choice writes."""
         return self.edge, self.candidate, self.terms, self.end
 
     def begin(self, stand: Float64, heading: Float64, there: npt.NDArray[np.bool_]) -> None:
-        """A choice begins: the measure before will end at `stand` (A, 2) [m], `heading` (A,), for those `there`."""
+        """Begin a choice: the measure before will end at `stand` (A, 2) [m] with `heading` (A,).
+
+        Errors are recorded for dancers who are `there` (A,).
+        """
         if self._decided:
             self.error[:] = np.hypot(*(self.target - stand).T) * there
             self.lag[:] = np.hypot(*(self.wish - stand).T) * there
@@ -70,10 +72,10 @@ class Choices:
         self.stand[:], self.heading[:] = stand, heading
         self._decided = True
 
-    # -- in words ----------------------------------------------------------------------------------------------
+    # -- explanations ------------------------------------------------------------------------------------------
 
     def why(self, dancer: int, choosing: Choosing) -> dict[str, Any]:
-        """All there is to say of a dancer's next (or present) measure, for people and for JSON."""
+        """Return the explanation of a dancer's next (or present) measure, for the overlay and for JSON."""
         library = choosing.graph.library
         rows = {}
         for rank, word in enumerate(("chosen", "runner_up")):
@@ -106,7 +108,7 @@ class Choices:
 
 
 def why_in_words(told: dict[str, Any]) -> tuple[str, ...]:
-    """The same as lines for the overlay."""
+    """Return an explanation by `Choices.why` as lines for the overlay."""
     lines = [f"dancer {told['dancer']}: {told['wanted']}, {told['error_m']:.2f} m off, {told['lag_m']:.2f} m behind"]
     for word in ("chosen", "runner_up"):
         row = told[word]
@@ -128,9 +130,10 @@ Bool = npt.NDArray[np.bool_]
 def behind(
     choices: Choices, group: Int32, names: tuple[str, ...], steps: tuple[str, ...], present: Bool
 ) -> dict[str, Any]:
-    """By group: mean distances of the last measure [m], how many are behind, and what should be recorded.
+    """Return by group: mean distances of the last measure [m], the number of dancers behind, and a recording that would
+    help.
 
-    `group` (A,) into `names`; `steps` are the library's. "record" is null where nobody is behind.
+    `group` (A,) indexes `names`; `steps` are the library's. "record" is null if no dancer is behind.
     """
     told: dict[str, Any] = {}
     for index, name in enumerate(names):
@@ -148,7 +151,7 @@ def behind(
 
 
 def _record(choices: Choices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]) -> str:
-    """What the dancers `rows` (n,) lack most: a step, a direction as the dancer sees it, a way."""
+    """Return the recording that the dancers `rows` (n,) lack most: step, direction relative to the dancer, distance."""
     way = turn_vectors(choices.wish[rows] - choices.stand[rows], -choices.heading[rows])
     got = turn_vectors(choices.target[rows] - choices.stand[rows], -choices.heading[rows])
     directions = [direction_of(one) for one in way]
@@ -159,6 +162,6 @@ def _record(choices: Choices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]
     step = int(np.bincount(kinds[kinds >= 0]).argmax()) if (kinds >= 0).any() else -1
     which = "any step" if step < 0 else f"{steps[step]!r}"
     return (
-        f"{which} gets {np.median(reached):.1f} m {most} in a measure, {np.median(needed):.1f} m are wanted: "
-        "record it longer that way, or give the group a travel_step that goes there"
+        f"{which} gets {np.median(reached):.1f} m {most} in a measure, {np.median(needed):.1f} m are needed: "
+        "record it with more travel in that direction, or set a travel_step for the group that goes there"
     )

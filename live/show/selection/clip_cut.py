@@ -1,8 +1,8 @@
-"""Cutting: dancers leave their clips for others within the measure, at the same phase, and nobody sees a jump.
+"""Cuts: switches dancers to other clips within a measure, at the same phase, without a visible jump.
 
-The clip is chosen by the body: by pose and speed at this phase of the measure (graph/moments). It is laid where the
-dancer stands, on the feet that carry before and after; what still differs fades (motion/inertia). The beat stays,
-because the phase does; at the next line the measure goes on as usual, along the edges of the graph.
+The new clip is chosen by pose and velocity at this phase of the measure (`graph/moments`). It is aligned with the
+dancer's body and with the support feet; the remaining difference is faded out by inertialization. The beat is kept,
+as the phase is. The next measure follows along the edges of the graph as usual.
 """
 
 from typing import Final
@@ -29,19 +29,20 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 PLANTED: Final = 2.0
-"""How much a foot that carries before and after a cut counts where the new clip is laid; all joints together: 1."""
+"""Weight of a foot on the floor before and after a cut in the alignment of the new clip; all joints together: 1."""
 ASTRAY: Final = 0.15
-"""Such feet pull the new clip this far [m] from where the whole body would have it at most."""
+"""Most that such feet may move the new clip from the alignment of the whole body [m]."""
 LATER: Final = 0.1
-"""A later measure of a step must be so much nearer to the body [m] than its first one."""
+"""Added distance of a later measure of a step [m] ..."""
 WRONG_SIDE: Final = 1.0
-"""... and a mirror image that the group does not want so much."""
+"""... and of a mirror image that the group does not want [m]."""
 AFTER = np.array([1.0, 0.6, 0.8, 20.0])
-"""What follows a cut: a metre² off the place, a rad² off the heading, a metre between poses, another step."""
+"""Cost weights of the measure after a cut: position error² [m²], heading error² [rad²], pose distance [m], another
+step."""
 
 
 class Moment:
-    """The dancers `rows` (n,) at one moment, before anything is changed: what they do, and how they move."""
+    """Poses and velocities of the dancers `rows` (n,) at one moment, before a cut."""
 
     def __init__(self, dancers: Dancers, rows: Int32, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         self.rows, self.time, self.dt = rows, time, TICK
@@ -59,30 +60,30 @@ class Moment:
         self.feature, self.hips, self.facing = body_features(now, (now - self.body[0][1]) * per_measure, self.held)
 
     def look(self, dancers: Dancers) -> tuple[Float32, Float32]:
-        """The bodies now and `dt` before, as the dancers dance now."""
+        """Return the bodies now and `dt` before, from the dancers' present state."""
         now = dancers.unmended(self.rows, self.fraction, self.time)
         then = dancers.unmended(self.rows, self.other, self.time - self.dt)
         return np.stack([now[0], then[0]]), np.stack([now[1], then[1]])
 
 
 class Cutting:
-    """Cuts of A dancers; deterministic. `cuts` counts them."""
+    """Cuts A dancers to other clips. Deterministic."""
 
     def __init__(self, dancers: Dancers) -> None:
         self._dancers = dancers
         self._joints = joint_weights()
         self._parents = PoseSkeleton.whole().parents
         self.cuts = 0
-        """How often a dancer has left her clip, since the start."""
+        """Number of cuts since the start, per dancer."""
 
     def candidates(self, step: int | None = None) -> Int32:
-        """The nodes that may be entered at any moment: alive, and of `step` if one is given, (C,)."""
+        """Return the nodes that may be cut to: alive, and of `step` if one is given, (C,)."""
         graph = self._dancers.graph
         chosen = graph.alive if step is None else graph.alive & (graph.library.node_step == step)
         return np.flatnonzero(chosen).astype(np.int32)
 
     def distances(self, moment: Moment, nodes: Int32) -> Float64:
-        """How far the bodies are from each of `nodes` (C,) at their phase [m], (n, C): what a cut has to hide."""
+        """Return the distances of the bodies from each of `nodes` (C,) at their phase [m], (n, C)."""
         library = self._dancers.graph.library
         away = self._dancers.graph.moments.distance(moment.feature.astype(np.float32), moment.phase, nodes)
         away += LATER * (library.node_measure[nodes] > 0)
@@ -90,8 +91,8 @@ class Cutting:
         return np.asarray(away + WRONG_SIDE * (sides[:, None] * library.node_side[nodes] < 0))
 
     def cut(self, moment: Moment, node: Int32, step: int | None = None) -> None:
-        """Each of the dancers goes on in `node` (n,) at her phase, from now on; what is decided of her next measures
-        follows in `step`, or (None) in the step that was decided."""
+        """Switch the dancers to `node` (n,) at their phases. Measures decided after that are replaced: with `step`, or
+        (None) with the step that was decided."""
         dancers, rows = self._dancers, moment.rows
         placement = self._laid(moment, node)
         for which, danced in enumerate(dancers.measures()):
@@ -107,9 +108,9 @@ class Cutting:
         self.cuts += len(rows)
 
     def _laid(self, moment: Moment, node: Int32) -> Float64:
-        """Where the clips of `node` (n,) must lie so that they meet the bodies at their phase, (n, 3).
+        """Return the placements of the clips of `node` (n,) that match the bodies at their phase, (n, 3).
 
-        Turned as the whole body is (K001), moved as the feet are that carry in both clips, if any do.
+        The whole body determines the rotation (K001), and feet on the floor in both clips, if any, the translation.
         """
         library = self._dancers.graph.library
         first = library.node_first[node]
@@ -134,7 +135,7 @@ class Cutting:
         return np.column_stack([shift.real, shift.imag, -np.angle(turn)])
 
     def _go_on(self, moment: Moment, step: int | None) -> None:
-        """Measures after those that were left, where they are decided already, follow along the graph's edges."""
+        """Replace decided measures after the present ones along the graph's edges."""
         measures = self._dancers.measures()
         for which in (0, 1):
             own, then = measures[which], measures[which + 1]
@@ -145,9 +146,9 @@ class Cutting:
                 self.follow(rows, own, then, step=planned if step is None else np.full_like(planned, step))
 
     def follow(self, rows: Int32, own: Danced, then: Danced, *, step: Int32, target: Float64 | None = None) -> None:
-        """What the dancers `rows` (n,) dance after the measure `own`: along the graph's edges into `then`.
+        """Choose the measure of the dancers `rows` (n,) after `own`, along the graph's edges, and write it to `then`.
 
-        As near as may be to `step` (n,), to `target` (n, 2) [m] and to what `then` holds until now.
+        It is the nearest to `step` (n,), to `target` (n, 2) [m] and to the previous content of `then`.
         """
         graph = self._dancers.graph
         old_end, old_heading = then.end_position()[rows], then.end_heading()[rows]

@@ -1,4 +1,4 @@
-"""Drawn ways: paths that are drawn while they are walked, point by point, and who walks along them (H019)."""
+"""Paths drawn live, point by point, while dancers walk along them (H019)."""
 
 from typing import Final
 
@@ -11,30 +11,30 @@ Bool = npt.NDArray[np.bool_]
 Place = tuple[float, float]
 
 MOST_POINTS: Final = 512
-"""Points that wait at most; of a longer way the oldest are forgotten."""
+"""Most points that are kept; of a longer path the oldest are dropped."""
 REACHED: Final = 0.4
-"""A point with another one after it is reached from so far [m]: who walks cuts corners by less than that."""
+"""Distance at which a point counts as reached, if another follows [m]: corners are cut by less than that."""
 ARRIVED: Final = 0.15
-"""The last point is reached from so far [m]."""
+"""Distance at which the last point counts as reached [m]."""
 WAITS: Final = 8.0
-"""Who has arrived waits so many beats for the next point, then goes wherever else she is asked to."""
+"""Beats that dancers wait at the last point before they leave the path."""
 
 
 class DrawnWay:
-    """One way, and where on it some dancers are; each keeps the place that she had among them when it began."""
+    """One path, and the progress of its dancers along it. Each keeps the initial offset from their middle."""
 
     def __init__(self, rows: list[int], place: Float32) -> None:
-        """`rows` walk along it, who are now at `place` (A, 2) [m]."""
+        """The dancers `rows` walk along it; `place` (A, 2) [m] are the present positions."""
         self.rows = rows
         self._points: list[Place] = []
-        self._gone = 0  # points that are forgotten
+        self._gone = 0  # number of dropped points
         self._next = dict.fromkeys(rows, 0)
         middle = place[rows].astype(np.float64).mean(axis=0)
         self._beside = {row: place[row] - middle for row in rows}
         self._waited = 0.0
 
     def add(self, point: Place) -> None:
-        """It goes on to `point` [m]."""
+        """Append `point` [m]."""
         self._points.append(point)
         self._waited = 0.0
         if len(self._points) > MOST_POINTS:
@@ -42,8 +42,10 @@ class DrawnWay:
             self._gone += 1
 
     def tick(self, place: Float32, seeks: Bool, goal: Float64, beats: float) -> bool:
-        """So many `beats` later: where everybody at `place` (A, 2) goes is written to `goal` (A, 2) where `seeks` (A,);
-        False once all have arrived and waited."""
+        """Advance by `beats`: write the goals of the path's dancers to `goal` (A, 2) [m] and mark them in `seeks` (A,).
+
+        `place` (A, 2) [m] are the present positions. Returns False once all have arrived and waited.
+        """
         if not self._points:
             return True
         here = True

@@ -1,8 +1,6 @@
-"""New steps: a motion graph that has grown while the show runs waits here for the next measure line.
+"""Updates of the motion graph while a show runs: a watcher of the step folder, and the swap at a measure line.
 
-Library hash: by which steps are known again: a replay and a snapshot need the same.
-
-LibraryWatch: a thread that sees takes come, change and go in a folder, and fits the graph of a running show.
+Hashes of the library identify its steps: a replay and a snapshot need the same ones.
 """
 
 import hashlib
@@ -34,14 +32,14 @@ GrownGraph = tuple[MotionGraph, Choosing]
 
 
 def clip_key(clip: StepClip) -> str:
-    """What tells a clip from all others of a folder, on one line."""
+    """Return the key of a clip, unique within a folder, on one line."""
     return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"
 
 
 def changed_graph(graph: MotionGraph, gone: Sequence[str], came: Sequence[StepClip]) -> MotionGraph:
-    """The graph with clips that came, in which nobody begins those of the names `gone` any more.
+    """Return the graph with the clips `came`, in which the clips with the keys `gone` are not begun any more.
 
-    ValueError if there is none of such a name, or nothing is left to be danced.
+    Raises ValueError for an unknown key, or if no clip is left.
     """
     library = graph.library
     left = set(np.unique(library.node_clip[graph.leaving]).tolist())
@@ -53,10 +51,10 @@ def changed_graph(graph: MotionGraph, gone: Sequence[str], came: Sequence[StepCl
 
 
 class NewSteps:
-    """Between the thread that joins new clips to the graph and the measure line at which they may be danced."""
+    """Holds new motion graphs from the watcher's thread until the measure line at which they are used."""
 
     def __init__(self, reserve: Mapping[str, StepClip] | None, refusals: Refusals) -> None:
-        """`reserve` holds the clips that a replay may add, by name: no thread joins them there."""
+        """`reserve` holds the clips that a replay may add, by key: a replay has no watcher."""
         self._reserve = dict(reserve or {})
         self._refusals = refusals
         self._offered: dict[str, GrownGraph] = {}
@@ -68,27 +66,27 @@ class NewSteps:
         return self._next is None
 
     def stock(self, reserve: Mapping[str, StepClip]) -> None:
-        """Hold these clips for events that add them, by name."""
+        """Set the clips for events that add them, by key."""
         self._reserve = dict(reserve)
 
     def offer(self, library: str, graph: MotionGraph) -> None:
-        """Hold a graph ready for the event StepsAdded that names its library's hash. Thread: any."""
+        """Store a graph for the event that names its library's hash. Thread: any."""
         self._offered[library] = graph, Choosing.of(graph)
 
     def hear(self, event: events.StepsAdded | events.StepsChanged, graph: MotionGraph) -> None:
-        """Have what an event speaks of danced from the next measure on; `graph` is danced now."""
+        """Handle an event: its steps are used from the next measure on; `graph` is the present one."""
         if isinstance(event, events.StepsAdded):
             self._add(event, graph)
         else:
             self._change(event, graph)
 
     def _add(self, event: events.StepsAdded, graph: MotionGraph) -> None:
-        """Have the offered graph danced from the next measure on; without one, join the clips to `graph` here."""
+        """Queue the offered graph for the next measure; without one, insert the clips into `graph` here."""
         offered = self._offered.pop(event.library, None)
         if offered is None:
             keys = event.clips.split("\n")
             if any(key not in self._reserve for key in keys):
-                self._refusals.add(f"{event.source}: the new steps are not there any more")
+                self._refusals.add(f"{event.source}: the new steps do not exist any more")
                 return
             known = graph if self._next is None else self._next[0]
             grown = insert_clips(known, [self._reserve[key] for key in keys])
@@ -96,8 +94,8 @@ class NewSteps:
         self._next = offered
 
     def _change(self, event: events.StepsChanged, graph: MotionGraph) -> None:
-        """Have the offered graph danced from the next measure on, in which clips are gone or others; without one, make
-        it here, out of the event."""
+        """Queue the offered graph, with clips removed or changed, for the next measure; without one, build it here from
+        the event."""
         offered = self._offered.pop(event.library, None)
         if offered is None:
             try:
@@ -110,16 +108,17 @@ class NewSteps:
         self._next = offered
 
     def drop(self) -> None:
-        """The graph that waits is given up."""
+        """Drop the waiting graph."""
         self._next = None
 
     @property
     def coming(self) -> MotionGraph | None:
-        """The graph that waits for the next measure line; None if there is none."""
+        """The graph that waits for the next measure line, None if there is none."""
         return None if self._next is None else self._next[0]
 
     def take(self, dancers: Dancers) -> GrownGraph | None:
-        """The graph to dance in from this measure line on, unless it would leave somebody without a way on."""
+        """Return and clear the waiting graph; None if there is none, or if it would leave a dancer without a next step,
+        in which case it keeps waiting."""
         offered = self._next
         if offered is not None and stranded(offered[0], dancers.node).any():
             self._refusals.add("library: the new steps would leave dancers without a next step; they wait")
@@ -129,7 +128,7 @@ class NewSteps:
 
 
 def library_hash(library: StepLibrary) -> str:
-    """A short hash over every bit of the library's motion and of what decides its edges: a replay needs the same."""
+    """Return a short hash of the library's motion data and of all facts that determine its edges."""
     digest = hashlib.blake2b(digest_size=8)
     for array in (
         library.clip_root, library.clip_rotation, library.clip_contact, library.node_first, library.node_last
@@ -142,7 +141,7 @@ def library_hash(library: StepLibrary) -> str:
 
 
 def steps_hash(graph: MotionGraph) -> str:
-    """The same of a graph's library, that some of its clips are not begun any more included."""
+    """Return the hash of a graph's library, including which clips are not begun any more."""
     found = library_hash(graph.library)
     if not graph.leaving.any():
         return found
@@ -150,15 +149,16 @@ def steps_hash(graph: MotionGraph) -> str:
 
 
 POLL_S: Final = 1.0
-"""Seconds between two looks at the folder; it must look the same twice, so that nothing half written is read."""
+"""Polling interval of the folder [s]. It is read only when unchanged for one interval, so that no file is read half
+written."""
 LONGEST: Final = 4_000_000
-"""Characters of changed clips that one event may hold: more wait for the next start."""
+"""Most characters of changed clips in one event: larger changes wait for the next start."""
 Stamp = tuple[tuple[str, int, int], ...]
 
 
 class LibraryWatch:
-    """Watches one folder. What is new there is read, measured against everything and joined in this thread; the show
-    takes the new graph up at a measure line. What was changed or taken away is not begun any more from then on.
+    """Watches one folder of steps. New clips are read and inserted into the graph in this thread; the show switches to
+    the new graph at a measure line. The old versions of changed or removed clips are not begun any more from then on.
     """
 
     def __init__(
@@ -171,32 +171,32 @@ class LibraryWatch:
         now: Callable[[], float],
         read: Callable[[], list[StepClip]] | None = None,
     ) -> None:
-        """`offer` hands a graph over under its hash, `post` the event that calls for it, at the time `now()`.
+        """`offer` passes on a graph with its hash, `post` the event that activates it, at the time `now()`.
 
-        `read`: all clips as a start would find them; without it only the folder is read, and nothing counts as gone.
+        `read` returns all clips as at a start; without it only the folder is read, and no clip counts as removed.
         """
         self._folder = folder
         self._read = read
         self.graph = graph
-        """The graph that was offered last."""
+        """The graph offered last."""
         self._offer, self._post, self._now = offer, post, now
         self._known = {clip_key(clip): clip for clip in graph.library.clips}
         self._seen = self._taken = stamp_of(folder)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="library watch", daemon=True)
         self.prove: Callable[[MotionGraph], object] = lambda graph: None
-        """Raises a PersonError or UnknownStep if the show could not go on in a graph."""
+        """Check that raises a PersonError or UnknownStep if the show cannot use a graph."""
         self.problem = ""
-        """Why the last change of the folder could not be taken; empty if it could."""
+        """Why the last change of the folder was refused, empty if it was not."""
         self.joined = ""
-        """What has joined last, in words; empty before."""
+        """Description of the last change, empty before the first."""
 
     def start(self) -> None:
-        """Begin to watch."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End, and wait for what is being read."""
+        """Stop the thread, and wait for a read in progress."""
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join(timeout=10.0)
@@ -209,12 +209,12 @@ class LibraryWatch:
             self.look()
 
     def again(self) -> None:
-        """What could not be taken is looked at once more: the patch is another one."""
+        """Try a refused change again, after a change of the patch."""
         if self.problem:
             self._taken = ()
 
     def look(self) -> bool:
-        """Look once; True if something was joined, changed or taken away."""
+        """Poll once. Returns whether clips were added, changed or removed."""
         stamp = stamp_of(self._folder)
         settled, self._seen = stamp == self._seen, stamp
         if not settled or stamp == self._taken:
@@ -228,19 +228,19 @@ class LibraryWatch:
         except (PersonError, UnknownStep, ValueError, OSError) as error:
             self.problem = f"new steps: {error}"
             return False
-        except Exception as error:  # the program's own fault: the watch goes on, and whoever added them is told
+        except Exception as error:  # a bug: keep watching, and report it
             FAULTS.note("the reader of new steps", error)
             self.problem = f"new steps: they cannot be read ({type(error).__name__}: {error})"
             return False
 
     def _take(self, clips: list[StepClip]) -> bool:
-        """Fit the graph to these clips; whether it changed."""
+        """Update the graph to these clips. Returns whether it changed."""
         fitting = [clip for clip in clips if clip.beats_per_measure == self.graph.library.beats_per_measure]
         if len(fitting) < len(clips):
             names = words_of(clip for clip in clips if clip not in fitting and clip_key(clip) not in self._known)
             beats = self.graph.library.beats_per_measure
             if names:
-                self.problem = f"new steps: {names} can be danced only in another show: this one has {beats} beats"
+                self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
         there = {clip_key(clip): clip for clip in fitting}
         gone = [] if self._read is None else [clip for name, clip in self._known.items() if name not in there]
         old = {name: self._known[name] for name in there if name in self._known}
@@ -273,7 +273,7 @@ class LibraryWatch:
         self.prove(graph)
         was, now = clips_to_text(gone), clips_to_text(came)
         if len(was) + len(now) > LONGEST:
-            raise ValueError(f"{words_of(gone)}: so much has changed that it counts from the next start on")
+            raise ValueError(f"{words_of(gone)}: the change is too large for a running show; restart to use it")
         found = steps_hash(graph)
         self.graph = graph
         lost = [clip for clip in gone if clip.step not in {other.step for other in came}]
@@ -288,7 +288,7 @@ class LibraryWatch:
 
 
 def words_of(clips: Iterable[StepClip]) -> str:
-    """The steps of some clips."""
+    """Return the steps of clips as a sorted list in words, at most 200 characters."""
     return ", ".join(sorted({clip.step for clip in clips}))[:200]
 
 
@@ -306,13 +306,13 @@ def same_clip(one: StepClip, other: StepClip) -> bool:
 
 
 def stamp_of(folder: Path) -> Stamp:
-    """Names, times and sizes of the files of a folder: it changes when they do."""
+    """Return names, times and sizes of the files of a folder, to detect changes."""
     rows = []
     try:
         for path in folder.iterdir():
             if path.is_file():
                 facts = path.stat()
                 rows.append((path.name, facts.st_mtime_ns, facts.st_size))
-    except OSError:  # it is being moved, or a file has just gone: look again later
+    except OSError:  # the folder is being moved, or a file was just deleted: poll again later
         return ()
     return tuple(sorted(rows))

@@ -1,4 +1,4 @@
-"""First nodes: what everybody dances in the first measure."""
+"""Choice of the nodes for the first measure."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,13 +10,13 @@ Int32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
 TRAVEL_COST = 0.1
-"""What a metre of travel in the first measure costs beside a sequence that cannot go on."""
+"""Cost of a metre of travel in the first measure, relative to a measure of the sequence that goes wrong."""
 
 
 def first_nodes(graph: MotionGraph, scheduler: Scheduler, group: Int32, mirrored: Bools, measure: int) -> Int32:
-    """Each dancer's group's first step, on the spot if that lets the sequence go on; shape (A,).
+    """Return a node of the group's first step for each dancer, without travel if the sequence allows it, (A,).
 
-    group (A,): the group of each; mirrored (A,): who dances the other side of what her partner dances.
+    `group` (A,): group of each dancer; `mirrored` (A,): whether a dancer dances the other side of the partner's step.
     """
     library, node = graph.library, np.zeros(len(group), np.int32)
     for index in scheduler.order:

@@ -1,8 +1,8 @@
-"""Interrupts: what acts within the measure, at once: cues "now", and collisions that no planning has prevented.
+"""Changes of step within a measure: live cues, and short-term collision avoidance.
 
-A cue waits for the next half beat, so that the change is seen on it. Whoever would be met within a moment, by
-another dancer or by somebody real, leaves her step at once for one that goes away or stands; collision safety always
-wins. Both are cuts (`show/cutting.py`), after which the measure goes on as usual.
+A cue waits for the next half beat, so that the change is visible on it. A dancer about to collide with a dancer or a
+performer cuts at once to a step that leads away or stands. Collision avoidance has priority over cues. After a cut
+(`clip_cut.py`), the measure continues as usual.
 """
 
 import math
@@ -30,23 +30,23 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 PLANNED: Final = 2.0
-"""Beats before the line from which on the next measure may be planned already."""
+"""From this many beats before the line on, the next measure may be planned already."""
 NOTHING: Final = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cue:
-    """A step that dancers `who` (A,) should be in from the next half beat on, and for whole `measures` more."""
+    """A step for the dancers `who` (A,) from the next half beat on, and for `measures` whole measures after it."""
 
     step: int
     who: Bool
     measures: int
     groups: tuple[int, ...]
-    """Groups that are meant whole: their programmes go on with the step."""
+    """Groups that are completely selected: their programmes continue with the step."""
 
 
 class Interrupts:
-    """The interrupts of one show. Call `cue` for events and `tick` once a tick, after the planning."""
+    """The interrupts of one show. `cue` is called for events, `tick` once a tick, after the planning."""
 
     def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion, scheduler: Scheduler) -> None:
         count = len(motion.casting.group)
@@ -55,23 +55,23 @@ class Interrupts:
         self._cues: list[_Cue] = []
         self._half: tuple[int, int] | None = None
         self._decided = False
-        self._step: Int32 = np.full(count, NOTHING, np.int32)  # what must follow a cut that the plan did not know of
+        self._step: Int32 = np.full(count, NOTHING, np.int32)  # the step after a cut that the plan does not include
         self._unplanned: Bool = np.zeros(count, np.bool_)
         self._avoiding = Avoiding(dancers, motion, self._sent, self.cutting, self._cut)
         self.cues = 0
-        """How many cues have acted."""
+        """Number of cues that have acted."""
 
     @property
     def avoided(self) -> int:
-        """How often a dancer has left her step because of a collision."""
+        """Number of times a dancer has left the step because of a collision."""
         return self._avoiding.count
 
     def _sent(self) -> Float64:
-        """Where everybody should end the present measure, (A, 2) [m]."""
+        """Return the targets of all dancers for the end of the present measure, (A, 2) [m]."""
         return self._scheduler.carrying.predicted
 
     def cue(self, event: StepNow) -> None:
-        """Take up a cue; UnknownStep for a step that is not there, PersonError for words that mean nobody."""
+        """Queue a cue. Raises UnknownStep for an unknown step, PersonError for unknown words in the selection."""
         step = find_step(self._dancers.graph, event.name)
         casting = self._motion.casting
         who = casting.select(event.group, self._motion.state.position)
@@ -79,18 +79,19 @@ class Interrupts:
         self._cues.append(_Cue(step, who, math.ceil(event.measures), groups))
 
     def figures(self) -> dict[str, int]:
-        """For the status: cues that have acted, dancers who left their step for one, and because of a collision."""
+        """Return statistics for the status: cues that have acted, dancers cut by them, and dancers cut by collision
+        avoidance."""
         return {"cues": self.cues, "cut": self.cutting.cuts - self.avoided, "avoided": self.avoided}
 
     def clear(self) -> None:
-        """Forget cues that have not acted yet."""
+        """Drop cues that have not acted yet."""
         self._cues.clear()
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Cut whoever must leave her step at the tick at `time` [s]."""
-        self._dancers.inertia.place(time)  # a picture drawn since the last tick has left another time's ages
+        """Cut the dancers who must leave their step at the tick at `time` [s]."""
+        self._dancers.inertia.place(time)  # a frame drawn since the last tick has left ages of another time
         if self._decided and self._dancers.decided and self._unplanned.any():
-            self._go_on()  # the tick of the decision has enough to do
+            self._go_on()  # not in the tick of the decision, to limit its load
         self._decided = self._dancers.decided
         half = span.number, math.floor(2.0 * timeline.beats_per_measure * span.fraction(timeline.beat_at(time)) + 1e-9)
         if half != self._half:
@@ -119,19 +120,19 @@ class Interrupts:
 
     @property
     def _here(self) -> Bool:
-        """Who dances on the stage, shape (A,): those who come and go are left alone."""
+        """Whether each dancer is on the stage, shape (A,). Dancers who enter or leave are not cut."""
         return np.asarray(self._motion.entrances.state == ON)
 
     def _cut(
         self, moment: Moment, node: Int32, span: MeasureSpan, timeline: Timeline, *, step: int | None = None
     ) -> None:
-        """Cut, and see to what follows: at once, or, while the next measure is being planned, when that is done."""
+        """Cut, and replace the next measure accordingly: at once, or, while it is being planned, after that."""
         self.cutting.cut(moment, node, step)
         if not self._dancers.decided and span.end - timeline.beat_at(moment.time) <= PLANNED:
             self._step[moment.rows], self._unplanned[moment.rows] = NOTHING if step is None else step, True
 
     def _go_on(self) -> None:
-        """Choose anew what follows for those whose plan did not know of their cut."""
+        """Choose the next measure again for dancers whose cut came after their planning had begun."""
         dancers, rows = self._dancers, np.flatnonzero(self._unplanned).astype(np.int32)
         planned = dancers.graph.library.node_step[dancers.coming.node[rows]]
         step = np.where(self._step[rows] == NOTHING, planned, self._step[rows]).astype(np.int32)

@@ -1,7 +1,4 @@
-"""Foresight: of every next node how many measures of what is wanted would go wrong, kept for what comes again.
-
-AgentsAhead: where the agents of a show will be when the next measure ends, looked ahead a few steps at a time.
-"""
+"""Look-ahead of step selection: costs of nodes for coming steps, and predicted agents at the end of a measure."""
 
 from collections import OrderedDict
 from typing import Final
@@ -24,14 +21,14 @@ from live.show.measure_span import MeasureSpan
 Float64 = npt.NDArray[np.float64]
 
 KEPT: Final = 64
-"""Answers kept: a sequence that is danced again and again asks the same questions."""
+"""Size of the cache: repeated sequences need the same results."""
 NOW: Final = 0.25
-"""A wrong measure at once counts this much more than a later one."""
+"""Additional cost of a wrong measure at once, relative to a later one."""
 IMPOSSIBLE: Final = 1000.0
 
 
 class Foresight:
-    """Answers for all dancers of all groups over one graph; a group's dancers share an answer."""
+    """Costs of next nodes over one graph, with a cache. The dancers of a group share a result."""
 
     def __init__(self, graph: MotionGraph) -> None:
         self._graph, self._edges = graph, edges_of(graph)
@@ -39,8 +36,11 @@ class Foresight:
         self._steps: dict[int, Float64] = {}
 
     def sequence(self, wanted: tuple[Wanted, ...], into: int) -> Float64:
-        """Wrong measures within the horizon if a node is danced next, (N,): `wanted` is what comes, `into` of whose
-        first entry's measures are over (the layered search of T063-T065 over eight measures)."""
+        """Return the number of wrong measures within the horizon for each next node, (N,).
+
+        `wanted` is the coming sequence; `into` measures of its first entry are over. Computed by dynamic programming on
+        layers over eight measures (T063-T065).
+        """
         key = (wanted, into)
         if key in self._kept:
             self._kept.move_to_end(key)
@@ -59,7 +59,7 @@ class Foresight:
         return answer
 
     def step(self, step: int) -> Float64:
-        """The same where only one step counts, as soon as it can be reached: measures away from it, (N,)."""
+        """Return the number of measures from each next node to the single step `step`, (N,)."""
         if step not in self._steps:
             away = self._graph.library.node_step != step
             self._steps[step] = np.where(away, 1.0 + np.minimum(self._graph.hops[step], IMPOSSIBLE), 0.0)
@@ -69,35 +69,38 @@ class Foresight:
 Bool = npt.NDArray[np.bool_]
 
 TAKEN: Final = 0.5
-"""An element whose influence has come this far takes a dancer out of her evolution for good."""
+"""From this influence on, an element ends a dancer's evolution."""
 
 
 class AgentsAhead:
-    """Call `begin`, `work` until all is done, and `ends`."""
+    """Predicts the agents at the end of the next measure, a few steps at a time.
+
+    Call `begin`, then `work` until all is done, then `ends`.
+    """
 
     def __init__(
         self, look: LookAhead, evolutions: Evolutions, elements: Elements, entrances: Entrances, floor: Floor,
         count: int, beats: int,
     ) -> None:  # fmt: skip
-        """`look` runs the copy of `count` agents; `beats` of a danced measure."""
+        """`look` simulates a copy of the `count` agents; `beats` of a danced measure."""
         self._look, self._evolutions, self._elements = look, evolutions, elements
         self._entrances, self._floor = entrances, floor
         self._count, self._beats = count, beats
         self._late: Float64 = np.zeros(count)
 
     def begin(self, state: AgentState, time: float, seconds: float, late: Float64, tempo: float) -> None:
-        """Begin to look `seconds` [s] ahead of `time` [s] at `tempo` [bpm], for dancers who are `late` (A,) [beats] on
-        purpose."""
+        """Begin a prediction `seconds` [s] ahead of `time` [s] at `tempo` [bpm], with the intended delays `late` (A,)
+        [beats]."""
         self._late = late
         self._look.begin(state, time=time, seconds=[seconds + beats * 60.0 / tempo for beats in np.unique(late)])
 
     def work(self, steps: int) -> None:
-        """Do at most so many coarse steps of looking ahead."""
+        """Run at most `steps` coarse steps."""
         self._look.work(steps)
 
     def ends(self, span: MeasureSpan | None) -> tuple[Float64, Bool, Float64]:
-        """Where everybody will be when the measure after `span` ends, (A, 2) [m]; who is in an evolution then, (A,),
-        and with which heading, (A,) [rad]. Measures of those who are late end later."""
+        """Return the predicted positions at the end of the measure after `span`, (A, 2) [m], which dancers are in an
+        evolution then, (A,), and their headings, (A,) [rad]. Measures of delayed dancers end later."""
         place, heading = np.zeros((self._count, 2)), np.zeros(self._count)
         held = np.zeros(self._count, np.bool_)
         for beats, position in zip(np.unique(self._late), self._look.positions, strict=True):

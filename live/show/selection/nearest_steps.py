@@ -1,6 +1,6 @@
-"""NearestSteps: what dancers dance next while the selection of steps is out of service: whatever follows and stays.
+"""Fallback step selection: the measure that may follow and stays nearest to the dancer's place.
 
-It needs the graph and where everybody ends, and nothing that plans, steers or wishes.
+It depends only on the graph and on the ends of the present measures, not on planning or steering.
 """
 
 import numpy as np
@@ -16,13 +16,13 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 OUTSIDE = 100.0
-"""A metre outside of the stage weighs as much as so many within."""
+"""Weight of a metre outside of the stage, relative to a metre on it."""
 
 
 def decide_nearest(dancers: Dancers, half: npt.NDArray[np.floating]) -> Float64:
-    """Decide the next measure of every dancer: of what may follow hers, what ends nearest to where it begins.
+    """Decide the next measure of each dancer: of those that may follow, the one that ends nearest to its beginning.
 
-    `half` (2,) [m]: half of the stage's width and depth. Returns where everybody begins it [m], (A, 2).
+    `half` (2,) [m]: half of the stage's width and depth. Returns the dancers' positions at its beginning [m], (A, 2).
     """
     hips, _, axes = dancers.present.ends_and_axes()
     edge = nearest_edges(dancers.graph, dancers.node, hips, axes, half)
@@ -35,7 +35,7 @@ def decide_nearest(dancers: Dancers, half: npt.NDArray[np.floating]) -> Float64:
 
 
 def repeat_measure(dancers: Dancers) -> None:
-    """Decide that everybody dances her measure once more, where she has danced it."""
+    """Decide that all dancers repeat their present measure at the same placement."""
     dancers.coming.node[:] = dancers.present.node
     dancers.coming.placement[:] = dancers.present.placement
     _dance_plainly(dancers.coming)
@@ -44,10 +44,10 @@ def repeat_measure(dancers: Dancers) -> None:
 def nearest_edges(
     graph: MotionGraph, node: Int32, hips: Float64, axes: Float64, half: npt.NDArray[np.floating]
 ) -> Int32:
-    """The edge of the graph that each dancer follows, -1 where there is none, shape (A,).
+    """Return the edge of the graph for each dancer, -1 where there is none, shape (A,).
 
-    She ends `node` (A,) with her hips at `hips` (A, 2) [m], her next clip joins the `axes` (A, 3). The first of equals
-    counts, so the choice is the same everywhere.
+    The dancers end `node` (A,) with hips at `hips` (A, 2) [m]; the next clip joins at `axes` (A, 3). Of equal edges the
+    first is chosen, so that the choice is deterministic.
     """
     chosen = np.full(len(node), -1, np.int32)
     first, count = graph.edge_start[node], graph.edge_start[node + 1] - graph.edge_start[node]
@@ -68,7 +68,7 @@ def nearest_edges(
 
 
 def _dance_plainly(coming: Danced) -> None:
-    """The measure as its clip has it: nothing corrected, mixed in, varied or turned."""
+    """Set a measure to its plain clip: no correction, mixed take, variation or turn."""
     coming.correction[:] = coming.aimed[:] = 0.0
     coming.on_support[:] = 0.0
     coming.take[:], coming.take_share[:] = NO_TAKE, 0.0

@@ -1,7 +1,7 @@
-"""Planning: everybody's next measure is worked out in a row of small pieces, spread over ticks.
+"""Plan of all dancers' next measure, computed in small pieces spread over ticks.
 
-The agents are run ahead on a copy; then it is asked what each dancer should dance, where she should end and whither she
-should face; the motion graph is searched for some dancers at a time; what was found is drafted.
+The pieces simulate a copy of the agents ahead, determine the wanted steps, positions and headings, search the motion
+graph for some dancers at a time, and draft the chosen measures.
 """
 
 import math
@@ -29,37 +29,37 @@ Int32 = npt.NDArray[np.int32]
 
 
 class Planning:
-    """The plan of A dancers for one measure. Call `begin`, let its `pieces` be done, `finish`, and then `forget`."""
+    """The plan of A dancers for one measure. Call `begin`, run its `pieces`, then `finish` and `forget`."""
 
     def __init__(
         self, patch: Patch, dancers: Dancers, motion: GroupMotion, aims: Aims, choices: Choices, group: Int32
     ) -> None:
-        """`take_graph` has to be called before anything else."""
+        """`take_graph` must be called before anything else."""
         self._dancers, self._motion, self._group = dancers, motion, group
         self._aims, self._choices = aims, choices
         self._drafting = Drafting(dancers, choices, aims)
         self._searching = Searching(patch, dancers, motion, aims, choices)
         self.pieces = Pieces()
-        """What is left to be done."""
-        self._looked = False  # whether headings have been asked for
+        """The remaining pieces."""
+        self._looked = False  # whether headings have been advanced
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
-        """Plan in this graph from now on; called when nobody's next measure is decided."""
+        """Switch to this graph. Called while no next measure is decided."""
         self._drafting.take_graph(graph, choosing)
         self._searching.take_graph(graph, choosing)
 
     def set_seconds(self, seconds: float) -> None:
-        """What a measure takes [s]."""
+        """Set the duration of a measure [s]."""
         self._searching.seconds = seconds
 
     @property
     def draft(self) -> Danced:
-        """What is worked out so far."""
+        """The draft so far."""
         return self._drafting.draft
 
     @property
     def begun(self) -> bool:
-        """Whether something is planned, or all of it."""
+        """Whether a plan has begun or is complete."""
         return bool(self.pieces) or self._searching.asked
 
     def begin(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
@@ -67,7 +67,7 @@ class Planning:
         left = max(0.0, span.end - timeline.beat_at(time))
         beat = 60.0 / timeline.tempo
         seconds = (left + timeline.beats_per_measure) * beat
-        # a ripple has many delays; quarters of a beat are near enough to look ahead
+        # a ripple has many delays; rounded to quarters of a beat to limit the number of predictions
         late = np.round(4.0 * self._dancers.variation.late * timeline.beats_per_measure) / 4.0
         self._motion.look(time, seconds, self._dancers.present.end_heading(), late)
         steps = math.ceil((seconds + float(late.max()) * beat) / LookAhead.STEP) + len(np.unique(late))
@@ -75,9 +75,9 @@ class Planning:
         self._looked = False
 
     def _planned(self, steps: int, measure: int) -> list[Piece]:
-        """The pieces of the planning of `measure`, with so many coarse `steps` of looking ahead.
+        """Return the pieces of the planning of `measure`, with `steps` coarse steps of look-ahead.
 
-        What they weigh is what they take, in about hundredths of a millisecond: something, and something per dancer.
+        Their weights estimate their time in about hundredths of a millisecond: a constant and a part per dancer.
         """
         count, variation, search = len(self._group), self._dancers.variation, self._searching
         rows = [slice(row, min(row + AT_A_TIME, count)) for row in range(0, count, AT_A_TIME)]
@@ -100,7 +100,7 @@ class Planning:
         ]
 
     def _pairs_by_pieces(self) -> range:
-        """Where the pieces begin in which followers choose."""
+        """Return the first pair of each piece in which followers choose."""
         return range(0, len(self._motion.partners.leader), AT_A_TIME)
 
     def _look(self) -> None:
@@ -115,18 +115,18 @@ class Planning:
         self._drafting.turn(self._searching.axes)
 
     def give_up(self) -> None:
-        """Forget what is planned: the measure will be another one."""
+        """Drop the plan and undo its headings, so that the measure can be planned again."""
         self.drop()
         if self._looked:
             self._aims.headings.take_back()
 
     def drop(self) -> None:
-        """Forget what is planned, and ask nobody to take anything back."""
+        """Drop the plan without undoing its headings."""
         self.pieces.clear()
         self._searching.forget()
 
     def finish(self, measure: int) -> None:
-        """Do all that is left of the planning of `measure`, and anew what is not true any more."""
+        """Run the remaining pieces of the planning of `measure`, and repeat those for replaced present measures."""
         self.pieces.finish()
         if self._searching.catch_up():
             self._drafting.vary(measure)
@@ -134,5 +134,5 @@ class Planning:
             self._turn()
 
     def forget(self) -> None:
-        """The measure is laid down."""
+        """Clear the plan after its measure is decided."""
         self._searching.forget()

@@ -1,8 +1,8 @@
-"""Scheduler: measure lines, look-ahead and the choice of every dancer's next step, a beat ahead of the line (T038).
+"""Scheduler of step selection: plans the next measure of all dancers and decides it a beat before the line (T038).
 
-From LOOK_BEATS before the line on the next measure is planned, so much in each tick that it is done a beat before it.
-Then what was found is laid down where the dancers will really end; at the line everybody crosses, and nothing is
-searched. The way a dancer is still off after her step is spread over that measure (position targets, T068).
+From LOOK_BEATS before the line on, the next measure is planned over several ticks, to be done a beat before the line.
+Then the chosen clips are placed where the present measures will actually end. Nothing is searched at the line itself.
+The remaining position error of a step is spread over the measure (position targets, T068).
 """
 
 import math
@@ -35,13 +35,13 @@ Int32 = npt.NDArray[np.int32]
 LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS: Final = 1.0
-"""Beats before it at which the next steps are chosen: never later than the blend begins."""
+"""Beats before it at which the next steps are decided: never later than the blend begins."""
 ANEW_TICKS: Final = 8.0
-"""With fewer ticks until the decision the planning of a measure is not begun anew."""
+"""With fewer ticks until the decision, the planning of a measure is not restarted."""
 
 
 class Scheduler:
-    """Decides for A dancers in their groups; deterministic."""
+    """Decides the next steps of A dancers. Deterministic."""
 
     def __init__(
         self,
@@ -52,8 +52,8 @@ class Scheduler:
         group: Int32,
         choosing: Choosing | None = None,
     ) -> None:
-        """`group` (A,) is shared with the show, which may change it between measures; `choosing` is that of the
-        dancers' graph if it is known."""
+        """`group` (A,) is shared with the show, which may change it between measures; `choosing` is the selector of the
+        dancers' graph if it exists already."""
         self._patch = patch
         self._dancers = dancers
         self._motion = motion
@@ -69,39 +69,38 @@ class Scheduler:
         self._planning = Planning(patch, dancers, motion, self.aims, self.choices, group)
         self.take_graph(dancers.graph, choosing or Choosing.of(dancers.graph))
         self.last_target: Float64 | None = None
-        """Where the dancers were last sent, no farther than their steps reach [m], (A, 2); None before the first
-        decision."""
+        """Targets of the last decision, within the steps' reach [m], (A, 2); None before the first decision."""
         self.last_heading = np.zeros(count)
-        """What they were to face there [rad], shape (A,)."""
+        """Target headings of the last decision [rad], shape (A,)."""
         self.detours = 0
-        """How often a dancer could not dance the wanted step at once, since the start."""
+        """Number of decisions in which a dancer could not dance the wanted step at once, since the start."""
         self.dead_ends = 0
-        """How often a dancer found no next measure and repeated hers, since the start."""
+        """Number of decisions in which a dancer had no next measure and repeated the present one, since the start."""
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
-        """Choose in this graph from now on; called when nobody's next measure is decided."""
+        """Switch to this graph. Called while no next measure is decided."""
         self.choosing = choosing
         self._planning.take_graph(graph, choosing)
         self.aims.take_graph(graph, choosing)
         self.foresight = self.aims.foresight
 
     def take_patch(self, fresh: "Scheduler") -> None:
-        """Take over what groups dance. Called when nobody's next measure is decided."""
+        """Apply the groups' programmes of another patch. Called while no next measure is decided."""
         take_programmes(self.programmes, fresh.programmes, fresh._patch)
         self.aims.reorder()
 
     def farthest(self) -> Float64:
-        """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""
+        """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
         return self.aims.farthest()
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
-        """Let the agents of each group go as fast as its steps and the correction can follow."""
+        """Set the agents' top speeds to what the group's steps and the correction can follow."""
         self._planning.set_seconds(timeline.beats_per_measure * 60.0 / timeline.tempo)
         self.aims.set_speed(measure, timeline)
 
     @property
     def at_rest(self) -> bool:
-        """Whether no measure is half planned."""
+        """Whether no measure is partly planned."""
         return not self._planning.pieces
 
     # -- the planning of one measure -----------------------------------------------------------------------------
@@ -111,7 +110,7 @@ class Scheduler:
         if self._dancers.decided:
             return
         left = span.end - timeline.beat_at(time)
-        # a measure that "this is the one" has stretched reaches its blend more than a beat before its end
+        # in a measure that a tap has stretched, the blend begins more than a beat before the end
         blends = span.fraction(timeline.beat_at(time + TICK)) >= 1.0 - self._dancers.graph.window
         if left <= DECIDE_BEATS or blends:
             self.decide(span, timeline, time)
@@ -125,7 +124,7 @@ class Scheduler:
         self._planning.pieces.work(ticks)
 
     def plan_anew(self, span: MeasureSpan, timeline: Timeline, time: float) -> bool:
-        """Forget what is planned of the measure after `span`, and plan it again; False if it is too late for that."""
+        """Drop the plan of the measure after `span`, so that it is planned again. Returns False if it is too late."""
         if self._dancers.decided:
             return False
         if not self._planning.begun:
@@ -138,13 +137,13 @@ class Scheduler:
         return True
 
     def drop_plan(self) -> None:
-        """Forget what is half planned, for nobody will finish it; what was decided stays."""
+        """Drop a plan that will not be finished. Decisions stay."""
         self._planning.drop()
 
     # -- the decision --------------------------------------------------------------------------------------------
 
     def decide(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        """Choose the next measure of every dancer now, finishing what is not planned yet."""
+        """Decide the next measure of all dancers now, after finishing the planning."""
         if not self._planning.begun:
             self._planning.begin(span, timeline, time)
         self._planning.finish(span.number + 1)
@@ -153,14 +152,14 @@ class Scheduler:
         self.last_target, self.last_heading = self.choices.target.copy(), self.aims.heading.copy()
 
     def _take(self) -> None:
-        """Lay down the chosen measures where the dancers will be, and add what they need to end in place."""
+        """Place the chosen measures where the present ones will end, and pass them to the root correction."""
         dancers, graph, choices = self._dancers, self._dancers.graph, self.choices
         coming, edge = dancers.coming, choices.edge[:, 0]
-        hips, _, axes = dancers.present.ends_and_axes()  # by now: the present measure may have been aimed anew
+        hips, _, axes = dancers.present.ends_and_axes()  # current: the present measure may have been re-aimed
         coming.copy_from(self._planning.draft)
         coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
         stuck = edge < 0
-        if stuck.any():  # cannot happen in a pruned graph; a dancer who is stuck repeats her measure
+        if stuck.any():  # cannot happen in a pruned graph; such dancers repeat their measure
             self.dead_ends += int(stuck.sum())
             coming.placement[stuck] = axes[stuck]
         self.detours += int(
@@ -169,15 +168,15 @@ class Scheduler:
         self.carrying.decided(hips, choices.target, choices.wish)
 
     def decide_nearest(self, half: npt.NDArray[np.floating]) -> None:
-        """Choose without any plan, of what may follow what is nearest; `half` (2,) [m]: of the stage."""
+        """Decide without a plan: the nearest measure that may follow; `half` (2,) [m]: half sizes of the stage."""
         begin = decide_nearest(self._dancers, half)
         end = self._dancers.coming.end_position()
         self.carrying.decided(begin, end, end)
 
-    # -- what there is to say ------------------------------------------------------------------------------------
+    # -- report --------------------------------------------------------------------------------------------------
 
     def behind(self) -> dict[str, Any]:
-        """How near to where they are sent the dancers of each group get, and what should be recorded (T075)."""
+        """Return the distances of each group's dancers from their targets, and recordings that would help (T075)."""
         return behind(
             self.choices,
             self._group,

@@ -1,4 +1,4 @@
-"""Searching: the motion graph is asked for everybody's next measure, some dancers at a time (T068-T070)."""
+"""Search of the motion graph for each dancer's next measure, some dancers at a time (T068-T070)."""
 
 import math
 from typing import Any, Final
@@ -20,56 +20,56 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 AT_A_TIME: Final = 48
-"""Dancers whose measures are chosen in one piece."""
+"""Most dancers whose measures are chosen in one piece."""
 
 
 class Searching:
-    """What the choice is asked for A dancers; the answers come into `choices`.
+    """Search for A dancers; the results are written to `choices`.
 
-    Call `limit`, then `choose` for everybody, `lead`, and `follow` for all pairs; `catch_up` at any time after that.
+    Call `limit`, then `choose` for all dancers, `lead`, and `follow` for all pairs; `catch_up` at any time after that.
     """
 
     def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion, aims: Aims, choices: Choices) -> None:
-        """`take_graph` has to be called before anything else."""
+        """`take_graph` must be called before anything else."""
         self._patch, self._dancers, self._motion = patch, dancers, motion
         self._aims, self._choices = aims, choices
         self._asked_from = np.full(len(aims.step), -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
         self.seconds = 2.0
-        """What a measure takes [s]."""
+        """Duration of a measure [s]."""
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
-        """Search this graph from now on; called when nobody's next measure is decided."""
+        """Switch to this graph. Called while no next measure is decided."""
         self._choosing = choosing
         self._give = np.minimum(graph.node_give, self._patch.locomotion.correction_m)
         self._usual_give = float(np.median(self._give))
 
     def take_patch(self, fresh: "Searching") -> None:
-        """Take over how far corrections go."""
+        """Apply the correction limits of another patch."""
         self._give, self._usual_give = fresh._give, fresh._usual_give
 
     @property
     def asked(self) -> bool:
-        """Whether the question is known."""
+        """Whether the arguments of the search are set."""
         return bool(self._arguments)
 
     def forget(self) -> None:
-        """The question is answered, or to be asked otherwise."""
+        """Clear the arguments of the search."""
         self._arguments = ()
 
     @property
     def axes(self) -> Float64:
-        """Where present measures end, as the choice was asked: x, z, angle, its cosine and sine, (A, 5)."""
+        """End axes of the present measures, as used by the search: x, z, angle, its cosine and sine, (A, 5)."""
         return np.asarray(self._arguments[1])
 
     @property
     def on_support(self) -> Float64:
-        """As it is in `Variation`, when the choice was asked, (A,)."""
+        """`Variation.on_support` as used by the search, (A,)."""
         return np.asarray(self._arguments[6][:, 0])
 
     def limit(self) -> None:
-        """How far everybody can get, and all that the choice asks for."""
+        """Limit the targets to the dancers' reach, and set the arguments of the search."""
         variation, limits = self._dancers.variation, self._patch.locomotion
         share = FAITHFUL + (1.0 - FAITHFUL) * variation.obedience
         self._choosing.allow(seconds=self.seconds, turn=math.radians(limits.turn_deg), give=self._give)
@@ -87,11 +87,11 @@ class Searching:
         )
 
     def choose(self, rows: slice) -> None:
-        """Choose for these dancers."""
+        """Choose the next measures of these dancers."""
         self._choosing.choose(rows, *self._arguments)
 
     def lead(self) -> None:
-        """Where leaders' measures, chosen already, will end, says where their followers' should."""
+        """Set the followers' targets from the ends of their leaders' measures, which are chosen already."""
         partners = self._motion.partners
         self._following = partners.follower, partners.follower
         if len(partners.leader):
@@ -100,13 +100,14 @@ class Searching:
             )
 
     def follow(self, pairs: slice) -> None:
-        """Choose for those who follow, of these pairs."""
+        """Choose the next measures of the followers of these pairs."""
         rows, sides = (array[pairs] for array in self._following)
         if len(rows):
             choose_following(rows, sides, self._choosing, self._choices, self._arguments)
 
     def catch_up(self) -> bool:
-        """Choose anew for those who were put into another measure since they were asked; whether there are any."""
+        """Choose again for dancers whose present measure was replaced since the search. Returns whether there are
+        any."""
         node = self._dancers.node
         changed = np.flatnonzero(self._asked_from != node)
         if not len(changed):

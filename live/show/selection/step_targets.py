@@ -1,7 +1,4 @@
-"""Aims: which step each dancer should dance next, where she should end, and whither she should face (T067, T068).
-
-Headings: where each dancer should face at the end of her next measure, by what her group looks at (T126, T127).
-"""
+"""Targets of step selection: the wanted step, position (T067, T068) and heading (T126, T127) of each dancer."""
 
 import numpy as np
 import numpy.typing as npt
@@ -23,62 +20,61 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 MOVES = 0.25
-"""A way shorter than this [m] in a measure has no direction: whoever stands faces where she came to (T126)."""
+"""A displacement shorter than this [m] in a measure has no direction: a standing dancer keeps the heading (T126)."""
 CLOSE = 0.3
-"""Nobody turns after what is nearer than this [m]."""
+"""Dancers do not turn towards targets nearer than this [m]."""
 
 
 class Headings:
-    """The headings of A dancers, measure after measure.
+    """Target headings of A dancers, measure after measure.
 
-    A heading that is wanted becomes one that is danced by T127: a quarter of the turn in one measure, half of it in
-    the next, a quarter in the third. A show does not know what will be wanted a measure later, so the turn begins with
-    the measure in which it is wanted, not before.
+    Wanted headings are smoothed by T127: a quarter of the turn in one measure, half in the next, a quarter in the
+    third. Later wishes are unknown in a live show, so the turn begins with the measure in which it is wanted.
     """
 
     def __init__(self, patch: Patch, motion: GroupMotion) -> None:
-        """PersonError for words that mean nothing."""
+        """Create the headings of a patch. Raises PersonError for an unknown facing."""
         self._patch = patch
         self._motion = motion
         count = len(motion.casting.group)
         self._facing = [self.parse(section.facing) for section in patch.group]
         self._raw = np.zeros((2, count))
-        """What was wanted in the last two measures, unwrapped, the newest first."""
+        """Wanted headings of the last two measures, unwrapped, the newest first [rad], shape (2, A)."""
         self._before = self._raw.copy()
 
     def parse(self, words: str) -> Facing:
-        """What `words` mean in this show; PersonError if nothing."""
+        """Parse a facing for this show. Raises PersonError for unknown words."""
         casting = self._motion.casting
         return parse_facing(words, dancers=len(casting.group), groups=casting.names)
 
     def take_patch(self, fresh: "Headings") -> None:
-        """Take over where groups look whose patch says something else now; others keep what they were told."""
+        """Apply the facings that differ between the old and the new patch. Others keep their live values."""
         for index, (old, new) in enumerate(zip(self._patch.group, fresh._patch.group, strict=True)):
             if old.facing != new.facing:
                 self._facing[index] = fresh._facing[index]
 
     @property
     def facings(self) -> tuple[Facing, ...]:
-        """Where each group looks."""
+        """Facing of each group."""
         return tuple(self._facing)
 
     def set(self, group: int, facing: Facing) -> None:
-        """The dancers of that group look there from their next decided measure on."""
+        """Set the facing of a group, from the next decided measure on."""
         self._facing[group] = facing
 
     def begin(self, heading: Float64) -> None:
-        """Everybody faces `heading` (A,) [rad] and wants to."""
+        """Initialize with the dancers' `heading` (A,) [rad]."""
         self._raw[:] = heading
 
     def take_back(self) -> None:
-        """The last `next` shall not have been."""
+        """Undo the last call of `next`."""
         self._raw[:] = self._before
 
     def next(self, start: Float64, wish: Float64, planned: Float64, known: Bool) -> Float64:
-        """Headings (A,) [rad] at the end of the next measure of dancers who go from `start` to `wish` (A, 2) [m].
+        """Return headings (A,) [rad] for the end of the next measure of dancers who go from `start` to `wish` (A, 2).
 
-        `planned` (A,) are the headings of those who are in an evolution (`known`): they are smoothed already. To be
-        called once for each measure.
+        `planned` (A,) are the headings of dancers in an evolution (`known`), which are smoothed already. Called once
+        for each measure.
         """
         self._before[:] = self._raw
         wanted = self._raw[0].copy()
@@ -86,7 +82,7 @@ class Headings:
             members = np.flatnonzero(self._motion.casting.group == index)
             if len(members):
                 wanted[members] = self._wanted(facing, members, start, wish, wanted)
-        passing = self._motion.entrances.passing  # whoever comes or goes looks where she goes
+        passing = self._motion.entrances.passing  # dancers who enter or leave face the way they go
         wanted[passing] = _towards(wish - start, MOVES, wanted)[passing]
         wanted[known] = planned[known]
         newest = self._raw[0] + wrapped(wanted - self._raw[0])
@@ -99,7 +95,7 @@ class Headings:
     def _wanted(
         self, facing: Facing, members: npt.NDArray[np.intp], start: Float64, wish: Float64, last: Float64
     ) -> Float64:
-        """Headings of `members` (n,), (n,)."""
+        """Return the wanted headings of `members` (n,), (n,)."""
         match facing.kind:
             case k if k == PUBLIC:
                 return np.zeros(len(members))
@@ -113,7 +109,7 @@ class Headings:
         return _towards(place - wish[members], CLOSE, last[members])
 
     def _place(self, facing: Facing, members: npt.NDArray[np.intp]) -> Float64 | None:
-        """What the members look at [m], (2,) or (n, 2); None if it is not there."""
+        """Return the place that the members face [m], (2,) or (n, 2); None if there is none."""
         group, position = self._motion.casting.group, self._motion.state.position.astype(np.float64)
         index = int(group[members[0]])
         match facing.kind:
@@ -130,7 +126,7 @@ class Headings:
 
 
 def _towards(way: Float64, least: float, last: Float64) -> Float64:
-    """Headings (n,) along `way` (n, 2); `last` (n,) where it is shorter than `least` [m]."""
+    """Return headings (n,) along `way` (n, 2) [m], or `last` (n,) where it is shorter than `least` [m]."""
     return np.where(np.hypot(*way.T) > least, np.arctan2(way[:, 0], way[:, 1]), last)
 
 
@@ -138,14 +134,14 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 STANDS: float = 0.15
-"""A group stands if its dancers are not to go even this far [m] in the next measure."""
+"""A group stands if the median of its dancers' ways in the next measure is shorter than this [m]."""
 HELD_BACK: float = 0.2
-"""Nobody is asked for more of what can be corrected than this share beyond her step's reach: the rest is for the
-parting of dancers who meet. Of a step in place all of it may be."""
+"""Share of the possible correction that targets may use beyond a step's reach. The rest is kept for path separation.
+Steps in place may use all of it."""
 
 
 class Aims:
-    """What is wanted of A dancers in their groups for one measure; asked for piece by piece."""
+    """Targets of A dancers for one measure, computed piece by piece."""
 
     def __init__(
         self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[Programme], group: Int32
@@ -154,39 +150,39 @@ class Aims:
         self._patch, self._dancers, self._motion = patch, dancers, motion
         self._programmes, self._group = programmes, group
         self.order = list(range(len(programmes)))
-        """The groups in the order in which they are asked: whoever echoes another one after her."""
+        """The groups in the order of their computation: echoes after the groups that they echo."""
         self.reorder()
         self.headings = Headings(patch, motion)
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
-        """Top speed of each agent [m/s]: what its dancer's steps can follow, shape (A,)."""
+        """Top speed of each agent that its dancer's steps can follow [m/s], shape (A,)."""
         self._asked: list[tuple[int | None, int]] = [(None, 0)] * len(programmes)  # measure and step of each group
         self.step = np.zeros(count, np.int32)
-        """The step wanted of each dancer, below 0 for any, shape (A,)."""
+        """The wanted step of each dancer, below 0 for any, shape (A,)."""
         self.row = np.zeros(count, np.int32)
-        """Which row of `ahead` counts for her, shape (A,)."""
+        """Row of `ahead` that applies to each dancer, shape (A,)."""
         self.heading = np.zeros(count)
-        """What she should face at the end [rad], shape (A,)."""
+        """Target heading of each dancer at the end [rad], shape (A,)."""
 
     def reorder(self) -> None:
-        """Take up which groups echo others."""
+        """Update the order after a change of the groups that echo others."""
         self.order.sort(key=lambda index: (isinstance(self._programmes[index], Echo), index))
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
-        """Ask for what this graph can do from now on."""
+        """Switch to this graph."""
         library = graph.library
         self._choosing = choosing
         self.foresight = Foresight(graph)
         self.ahead = np.zeros((2 * len(self._programmes), library.node_count))
-        """Measures that go wrong if a node is danced next, for each group and its travel step, (2 G, N)."""
+        """Number of wrong measures for each next node, for each group and its travel step, (2 G, N)."""
         reach = [library.reach(step) for step in range(len(library.steps))]
-        # how far one measure of each step goes [m]; last, as for ANY_STEP, of the farthest
+        # reach of one measure of each step [m]; last, for ANY_STEP, the largest
         self._reach = np.array([*reach, max(reach)])
         for programme in self._programmes:
             programme.take_graph(graph)
 
     def farthest(self) -> Float64:
-        """How far each dancer's steps go in one measure [m]: the farthest of her group's, shape (A,)."""
+        """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
         most = np.zeros(len(self._group))
         for index, programme in enumerate(self._programmes):
             steps = [*programme.steps, *([] if programme.travel_step is None else [programme.travel_step])]
@@ -194,7 +190,7 @@ class Aims:
         return most
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
-        """Let the agents of each group go as fast as its steps and the correction can follow."""
+        """Set the agents' top speeds to what the group's steps and the correction can follow."""
         seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
         speeds = np.empty(len(self._programmes))
         for index in self.order:
@@ -207,7 +203,7 @@ class Aims:
         self.speed[:] = speeds[self._group]
 
     def look(self, choices: Choices) -> None:
-        """Where everybody should be and face at the end of the next measure; the look-ahead must be finished."""
+        """Set the wished positions and headings for the end of the next measure. The look-ahead must be finished."""
         present = self._dancers.present
         wish, known, planned = self._motion.ahead()
         choices.begin(*present.ends(), self._motion.present)
@@ -217,8 +213,8 @@ class Aims:
             self._motion.partners.aim(choices.wish, self.heading, choices.stand, choices.heading, known)
 
     def ask(self, index: int, measure: int, choices: Choices) -> None:
-        """Which step the dancers of group `index` should dance in `measure`: the group's in turn, or its travel step
-        where the way is too far for that."""
+        """Set the wanted step of the dancers of group `index` in `measure`: the group's next one, or its travel step
+        for dancers whose way is too far for that."""
         programme, members = self._programmes[index], self._group == index
         way = np.hypot(*(choices.wish - choices.stand).T)
         if isinstance(programme, GroupProgramme):
@@ -235,7 +231,7 @@ class Aims:
             self.ahead[2 * index + 1] = self.foresight.step(programme.travel_step)
 
     def limit(self, choices: Choices, bound: Float64) -> None:
-        """Ask nobody for more than her step can do, with `bound` (A,) [m] of correction: the predicted agents."""
+        """Limit the targets (predicted agents) to the reach of the steps with `bound` (A,) [m] of correction."""
         change = wrapped(self.heading - choices.heading)
         way = choices.wish - choices.stand
         reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound, bound)

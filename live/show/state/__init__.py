@@ -1,1 +1,1 @@
-"""The state of a show as data: kinds, encoder, decoder, checks. It may import what `show` may."""
+"""Serialization of a show's state: kinds, encoder, decoder and checks. It may import what `show` may."""

@@ -1,6 +1,6 @@
-"""Whole: whether the arrays of an object fit each other, where kernels take it for granted and they may be of any size.
+"""Consistency checks between the arrays of an object, where kernels rely on matching sizes.
 
-Each of these is asked after every field was found to be of its type.
+Each check runs after the types of all fields were checked.
 """
 
 from typing import Any, Final
@@ -38,7 +38,7 @@ _OF_READERS: Final = (
 
 
 def advance(value: Advance) -> bool:
-    """Numbers of all agents and of how they are steered; only the stage may be without end."""
+    """Whether agent and steering parameters are in range; only the stage may be infinite."""
     begin = 2 * at(value, "_agent_count")
     fixed: Array = at(value, "_fixed")
     stage, others = fixed[begin : begin + 2], np.delete(fixed, [begin, begin + 1])
@@ -46,7 +46,7 @@ def advance(value: Advance) -> bool:
 
 
 def element_table(value: ElementTable) -> bool:
-    """Rows by whose numbers kernels find corners, grids and what acts; an element may go on for ever."""
+    """Whether the rows hold valid indices of corners, grids and elements; only an element's end may be infinite."""
     rows: Array = at(value, "_all_rows")
     first, most = at(value, "_first"), at(value, "_capacity")
     others = np.delete(rows, element_table_kernels.END, axis=1)
@@ -68,30 +68,30 @@ _ROWS_WITHIN: Final = (
 
 
 def element(value: Element) -> bool:
-    """One of the kinds that there are."""
+    """Whether kind, target group and number of points are in range."""
     return 0 <= value.kind < KIND_COUNT and -1 <= value.target_group < 64 and len(value.points) <= POINT_LIMIT
 
 
 def surroundings(value: Surroundings) -> bool:
-    """As many walls and obstacles as have a name."""
+    """Whether there is a name for each wall and obstacle."""
     counts = value.flat[9 * CAPACITY :].tolist()
     return bool(counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY)
 
 
 def locomotion(value: Locomotion) -> bool:
-    """Knots, times and turns of as many dancers."""
+    """Whether knots, times and turns are for the same number of dancers; it raises if not."""
     value.__post_init__()
     return True
 
 
 def places(value: Places) -> bool:
-    """A heading for every place."""
+    """Whether every slot has a heading."""
     count = len(value.slots)
     return value.slots.shape == (count, 2) and value.heading.shape == (count,) and len(value.marks) in (0, count)
 
 
 def departure(value: Departure) -> bool:
-    """As many places as dancers."""
+    """Whether every dancer has a position, heading, radius and words."""
     count = len(value.numbers)
     return (
         value.numbers.shape == value.heading.shape == value.radius.shape == (count,)
@@ -101,19 +101,19 @@ def departure(value: Departure) -> bool:
 
 
 def journey(value: Journey) -> bool:
-    """A way for everybody who has a place."""
+    """Whether every dancer with a slot has a trajectory."""
     return value.slot.shape == (value.locomotion.count,)
 
 
 def motion(value: Motion) -> bool:
-    """A way for everybody who goes."""
+    """Whether every moving dancer has a trajectory."""
     count = len(value.who)
     ways = value.journey is None or value.journey.locomotion.count == count
     return value.who.shape == value.keep.shape == (count,) and ways
 
 
 def heard_poses(value: HeardPoses) -> bool:
-    """As many poses as moments, and one more."""
+    """Whether there is one more pose than time stamps."""
     root, turned, stamp, count = value.kept
     size = len(stamp)
     return (
@@ -126,7 +126,7 @@ def heard_poses(value: HeardPoses) -> bool:
 
 
 def captured(value: Captured) -> bool:
-    """As much of everybody who wears her poses."""
+    """Whether all arrays have a row for each dancer that shows this performer's poses."""
     count = len(value.rows)
     ones = (value.rows, value.delay, value.share, value.turned)
     place = at(value, "edges.place")
@@ -134,7 +134,7 @@ def captured(value: Captured) -> bool:
 
 
 def holding(value: Holding) -> bool:
-    """As much of every hold."""
+    """Whether all arrays have a row for each hand hold."""
     laid: list[tuple[int, ...]] = at(value, "_laid")
     if not hasattr(value, "_who"):
         return not laid
@@ -146,7 +146,7 @@ def holding(value: Holding) -> bool:
 
 
 def read_leader(value: ReadLeader) -> bool:
-    """A reader like the one of the examples that she is read by, and of the same units."""
+    """Whether the decoder has the same units and array sizes as that of its examples."""
     reader, like = value.partner.reader, value.lore.reader
     same = all(at(reader, name) is at(like, name) for name in _INDICES) and reader.units is like.units
     return same and all(at(reader, name).shape == at(like, name).shape for name in _OF_READERS)

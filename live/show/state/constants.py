@@ -1,7 +1,7 @@
-"""Constants: what a state names instead of writing it, because patch, steps and seed alone decide it.
+"""Constants of a show: objects that a snapshot refers to by name, because patch, steps and seed determine them.
 
-Each object that they hold has a name. A snapshot can only name a row of the table that its reader has made of a fresh
-show; nothing is looked up by a path that comes from bytes.
+Every object inside a constant has a name, too. A snapshot can only name entries of the table that its reader has built
+from a fresh show; no path from the bytes is ever evaluated.
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,11 +12,11 @@ import numpy as np
 from live.show.state.kind import PLAIN
 
 LONG: Final = 512
-"""A constant with more entries than this is not looked through: they are written should anybody hold them."""
+"""The entries of containers longer than this get no names; they are written if something else refers to them."""
 
 
 def at(root: object, path: str) -> Any:
-    """The attribute of an attribute ... of `root` at `path`, words of this program with dots between them."""
+    """Return the nested attribute of `root` at the dotted `path`; paths are literals of this program."""
     here: Any = root
     for word in path.split("."):
         here = getattr(here, word)
@@ -24,10 +24,10 @@ def at(root: object, path: str) -> Any:
 
 
 class Walked:
-    """All objects that one constant holds, by name."""
+    """All objects inside one constant, by name."""
 
     def __init__(self, value: object, name: str, met: Iterable[Mapping[int, str]] = ()) -> None:
-        """Objects in `met` have a name already."""
+        """`met`: objects that have a name already."""
         self.value = value
         self.names: dict[int, str] = {}
         self.objects: dict[str, object] = {}
@@ -64,20 +64,20 @@ _ahead: dict[str, Walked] = {}
 
 
 def walk_ahead(value: object, name: str) -> None:
-    """Walk through what will soon be a show's constant of this name, so that no frame has to; it must share nothing
-    with those before it. Thread: any one."""
+    """Walk in advance through an object that will become a show's constant of this name, to save time in the frame. It
+    must share nothing with the constants before it. Thread: any one."""
     _ahead[name] = Walked(value, name)
 
 
 class Constants:
-    """The constants of a show, and its scratch arrays, whose content is worked out before it is read."""
+    """The constants of a show, and its scratch arrays, whose content is computed before it is read."""
 
     def __init__(
         self, root: object, constant: Mapping[str, str], scratch: Iterable[str], before: "Constants | None" = None
     ) -> None:
-        """`constant`: paths from `root` by name; all that a constant holds is constant, too. `scratch`: paths.
+        """`constant`: paths from `root` by name; everything inside a constant is constant, too. `scratch`: paths.
 
-        What was the same `before`, or was walked through ahead, is not walked through again.
+        Objects unchanged since `before`, or walked through ahead, are not walked through again.
         """
         self.name_of: dict[int, str] = {}
         self.named: dict[str, object] = {}
@@ -101,7 +101,7 @@ class Constants:
 
 
 def attributes(value: object) -> Iterable[str]:
-    """The names of all attributes that an object can hold itself."""
+    """Yield the names of all instance attributes and slots of an object."""
     yield from getattr(value, "__dict__", ())
     for cls in type(value).__mro__:
         slots = cls.__dict__.get("__slots__", ())

@@ -1,8 +1,8 @@
-"""Reading a state: bytes as objects of listed kinds, field by field; constants and scratch come from a fresh show.
+"""Decoder for states: creates objects of listed kinds, field by field, with constants and scratch of a fresh show.
 
-Nothing is called that the bytes name, and nothing is imported or looked up by what they say: a kind is a row of
-`kinds.py`, a constant one of the fresh show's own table. Objects are made empty and filled, so that circles are no
-matter. What is made is checked by `checking.py` before anybody gets it.
+Nothing named by the bytes is called or imported: kinds come from `kinds.py`, constants from the fresh show's table.
+Objects are created empty and then filled, so that reference cycles are possible. `type_check.py` checks the result
+before it is used.
 """
 
 from collections import Counter, OrderedDict, deque
@@ -39,24 +39,24 @@ from live.show.state.kinds import BY_NAME, METHODS
 Array = npt.NDArray[Any]
 
 NUMPY: Final = frozenset(NUMBERS.values())
-"""What an array of a state may hold."""
+"""Permitted array types."""
 SCALARS: Final = {word[1:]: np.dtype(word) for word in NUMPY}
 MOST_AXES: Final = 8
 MOST_ROWS: Final = 1 << 18
 DEEPEST: Final = 64
-"""Values within values."""
+"""Maximum nesting of values."""
 
 
 def read_state(data: bytes, constants: Constants) -> Any:
-    """The root of a state as `Written.packed` gives it; Unreadable for anything else.
+    """Decode the bytes of `Written.packed` and return the root; Unreadable for anything else.
 
-    `constants` are those of a fresh show. What comes out is still to be checked by `checking.py`.
+    `constants` are those of a fresh show. The caller must check the result with `type_check.py`.
     """
     try:
         root = _Reader(*_halves(data), constants).read()
     except Unreadable:
         raise
-    except Exception as error:  # crafted bytes may raise anything, but reach nothing
+    except Exception as error:  # crafted bytes may raise anything, but have no other effect
         raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
     return root
 
@@ -72,14 +72,14 @@ def _halves(data: bytes) -> tuple[Any, memoryview]:
 
 
 class _Reader:
-    """Makes the objects of one tree."""
+    """Creates the objects of one tree."""
 
     def __init__(self, tree: Any, content: memoryview, constants: Constants) -> None:
         if not (isinstance(tree, list) and len(tree) == 4 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
-            raise Unreadable("its tree is no table of kinds, rows, sizes and a root")
+            raise Unreadable("its tree is not an array of kinds, rows, sizes and a root")
         kinds, self._rows, sizes, self._root = tree
         if not _whole_numbers(sizes) or min(sizes, default=0) < 0 or sum(sizes) != len(content):
-            raise Unreadable("the content of its arrays is cut off, or of none")
+            raise Unreadable("the content of its arrays does not have the stated size")
         self._sizes = iter(sizes)
         self._room = MOST_NUMBERS
         if len(self._rows) > MOST_ROWS:
@@ -93,14 +93,14 @@ class _Reader:
         self._scratch: dict[str, Array] = {}
 
     def read(self) -> Any:
-        """All rows, and what the root is."""
+        """Decode all rows and return the root."""
         for number, row in self._rows.items():
             if type(number) is not int or not (isinstance(row, list) and row and type(row[0]) is int):
-                raise Unreadable(f"row {number!r:.40} is none")
+                raise Unreadable(f"row {number!r:.40} is invalid")
             if row[0] != PART:
                 self._made[number] = self._empty(row)
         if next(self._sizes, None) is not None:
-            raise Unreadable("there is content of no array")
+            raise Unreadable("there is content without an array")
         for number, row in self._rows.items():
             if row[0] == PART:
                 self._made[number] = self._part(row)
@@ -108,11 +108,11 @@ class _Reader:
         for number, row in self._rows.items():
             if row[0] >= 0:
                 self._fill_object(self._made[number], row)
-        for number in later:  # keys may be objects, which are whole by now
+        for number in later:  # keys may be objects, which are complete by now
             self._fill(self._made[number], self._rows[number])
         return self._value(self._root)
 
-    # -- what a row is, still empty -----------------------------------------------------------------------------
+    # -- creation of empty objects ------------------------------------------------------------------------------
 
     def _empty(self, row: Row) -> Any:
         code = row[0]
@@ -122,7 +122,7 @@ class _Reader:
                 raise Unreadable(f"there is no kind {code}")
             plain, others = self._names[code]
             if len(row) != 2 + len(others) or not isinstance(row[1], list) or len(row[1]) != len(plain):
-                raise Unreadable(f"{kind.name!r} has another number of values than fields")
+                raise Unreadable(f"{kind.name!r} has not as many values as fields")
             return object.__new__(kind.cls)
         if code in (WHOLE, LAID):
             return self._array(row)
@@ -130,17 +130,17 @@ class _Reader:
             return self._scratch_array(row)
         if code == DEQUE:
             if len(row) < 2 or not (row[1] is None or (type(row[1]) is int and 0 <= row[1] < 1 << 20)):
-                raise Unreadable("a deque has no length")
+                raise Unreadable("a deque has no valid length")
             return deque(maxlen=row[1])
         made = _CONTAINERS.get(code)
         if made is None:
-            raise Unreadable(f"there is no row of sort {code}")
+            raise Unreadable(f"there is no row code {code}")
         return made()
 
     def _array(self, row: Row) -> Array:
         numbers, shape = row[1], row[2]
         if numbers not in NUMPY or not _whole_numbers(shape) or len(shape) > MOST_AXES or min(shape, default=0) < 0:
-            raise Unreadable(f"an array of {numbers!r:.20} and {shape!r:.80} is none")
+            raise Unreadable(f"an array of type {numbers!r:.20} and shape {shape!r:.80} is invalid")
         count = 1
         for length in shape:
             count *= length
@@ -148,17 +148,17 @@ class _Reader:
         begin, used, size = self._place, next(self._sizes, -1), count * kind.itemsize
         self._room -= size
         if not 0 <= used <= size or self._room < 0:
-            raise Unreadable("the content of an array is cut off, or too much")
+            raise Unreadable("the content of an array is cut off, or too large")
         self._place += used
         found: Array = np.zeros(shape, kind)
         found.reshape(-1).view(np.uint8)[:used] = np.frombuffer(self._content[begin : begin + used], np.uint8)
         if kind == np.bool_ and found.view(np.uint8).max(initial=0) > 1:
-            raise Unreadable("an array of booleans holds others")
+            raise Unreadable("an array of booleans holds other values")
         if row[0] == WHOLE:
             return found
         axes, writeable = row[3], row[4]
         if not _whole_numbers(axes) or sorted(axes) != list(range(len(shape))) or type(writeable) is not bool:
-            raise Unreadable("an array has no axes")
+            raise Unreadable("an array has invalid axes")
         if axes != sorted(axes):
             found = found.transpose(np.argsort(axes))
         found.flags.writeable = writeable
@@ -168,7 +168,7 @@ class _Reader:
         name = row[1]
         like = self._constants.scratch.get(name) if isinstance(name, str) else None
         if like is None or name in self._scratch:
-            raise Unreadable(f"there is no scratch array {name!r:.80}, or it is there twice")
+            raise Unreadable(f"there is no scratch array {name!r:.80}, or it occurs twice")
         found: Array = np.zeros_like(like)
         self._scratch[name] = found
         return found
@@ -177,11 +177,11 @@ class _Reader:
         _, whole, offset, numbers, shape, strides = row
         base = self._value(whole)
         if not isinstance(base, np.ndarray) or numbers not in NUMPY or not base.flags.c_contiguous:
-            raise Unreadable("an array is part of what is no array")
+            raise Unreadable("the base of an array view is not a contiguous array")
         if not (_whole_numbers([offset]) and _whole_numbers(shape) and _whole_numbers(strides)):
-            raise Unreadable("a part of an array has no place")
+            raise Unreadable("an array view has no valid offset, shape or strides")
         if len(shape) != len(strides) or len(shape) > MOST_AXES or min(shape, default=0) < 0 or offset < 0:
-            raise Unreadable("a part of an array has no place")
+            raise Unreadable("an array view has no valid offset, shape or strides")
         kind = np.dtype(numbers)
         if 0 in shape:
             return np.zeros(shape, kind)
@@ -190,13 +190,13 @@ class _Reader:
             low, high = low + min((length - 1) * stride, 0), high + max((length - 1) * stride, 0)
         whole_bytes = base.dtype == kind or not any(each.kind == "b" for each in (base.dtype, kind))
         if low < 0 or high + kind.itemsize > base.nbytes or offset % kind.itemsize or not whole_bytes:
-            raise Unreadable("a part of an array lies beyond it")
+            raise Unreadable("an array view lies outside of its base")
         if any(stride % kind.itemsize for stride in strides):
-            raise Unreadable("a part of an array lies across its numbers")
+            raise Unreadable("an array view is not aligned to its items")
         found: Array = np.ndarray(shape, kind, base, offset, strides)
         return found
 
-    # -- what is in it ------------------------------------------------------------------------------------------
+    # -- filling ------------------------------------------------------------------------------------------------
 
     def _fill_object(self, made: Any, row: Row) -> None:
         kind = self._kinds[row[0]]
@@ -226,7 +226,7 @@ class _Reader:
         if type(said) in PLAIN:
             return said
         if type(said) is not list or not said or depth > DEEPEST:
-            raise Unreadable("a value is none, or lies too deep")
+            raise Unreadable("a value is invalid, or nested too deep")
         first = said[0]
         if first is None:
             return tuple([self._value(each, depth + 1) for each in said[1:]])
@@ -239,7 +239,7 @@ class _Reader:
                 return self._made[first]
             if type(first) is str and first in self._constants.named:
                 return self._constants.named[first]
-        raise Unreadable(f"{said!r:.80} is nothing that there is here")
+        raise Unreadable(f"{said!r:.80} names no known object")
 
     def _special(self, said: list[Any], depth: int) -> Any:
         word = said[1]
@@ -252,7 +252,7 @@ class _Reader:
         kind = BY_NAME.get(word) if isinstance(word, str) else None
         if kind is not None and issubclass(kind.cls, Enum) and len(said) == 3 and type(said[2]) in PLAIN:
             return kind.cls(said[2])
-        raise Unreadable(f"{said!r:.80} is no value")
+        raise Unreadable(f"{said!r:.80} is not a valid value")
 
     def _method(self, said: list[Any], depth: int) -> Any:
         _, whose, name = said
@@ -269,9 +269,9 @@ _CONTAINERS: Final[dict[int, Callable[[], Any]]] = {
 
 
 def _kind(number: object, said: Any) -> tuple[Kind, list[str], list[str]]:
-    """The kind that a tree says, and its fields in their order there: they must be those that it has here."""
+    """Return a kind named by the tree, with its fields in the tree's order; they must equal the fields known here."""
     if type(number) is not int or number < 0 or not isinstance(said, list) or len(said) != 3:
-        raise Unreadable("its kinds are none")
+        raise Unreadable("its table of kinds is invalid")
     name, plain, others = said
     kind = BY_NAME.get(name) if isinstance(name, str) else None
     if kind is None or issubclass(kind.cls, Enum) or not isinstance(plain, list) or not isinstance(others, list):
@@ -287,7 +287,7 @@ def _plain(said: Any, depth: int = 0) -> Any:
     if type(said) in PLAIN:
         return said
     if type(said) is not list or depth > DEEPEST:
-        raise Unreadable("a plain value is none, or lies too deep")
+        raise Unreadable("a plain value is invalid, or nested too deep")
     return tuple([_plain(each, depth + 1) for each in said])
 
 

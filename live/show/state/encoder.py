@@ -1,7 +1,7 @@
-"""Packing: a state that was taken within a frame becomes bytes, by whoever has time for it.
+"""Encoder that turns a captured state into bytes, outside of the frame loop.
 
-What nobody can change (numbers, texts, frozen kinds, tuples of such) is only held when a state is taken; it is written
-here.
+Immutable values (numbers, texts, frozen kinds, tuples of such) are only referenced when a state is captured; they are
+encoded here.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,18 +19,18 @@ from live.show.state.kinds import BY_CLASS, BY_NAME
 
 _PLAIN: Final = frozenset({"int", "float", "bool", "str", "none", "bytes"})
 _FIXED: Final = frozenset({*_PLAIN, "complex", "tuple", "row", "frozenset", "|"})
-"""What nobody changes."""
+"""Type words of immutable values."""
 _NUMBERS: Final = (np.float64, np.float32, np.int64, np.int32, np.bool_)
 
 Values = tuple[Any, ...]
 
 
 class Unwritable(Exception):
-    """A show holds what no snapshot can hold; the message names it."""
+    """A show holds something that a snapshot cannot hold; the message names it."""
 
 
 class Shape:
-    """How objects of one kind are taken: which of their fields are plain, which nobody changes, and all others."""
+    """Capture plan for objects of one kind: its plain fields, its immutable fields, and all others (links)."""
 
     __slots__ = ("check", "fixed_at", "kind", "links", "links_at", "many_plain", "values")
 
@@ -47,46 +47,47 @@ class Shape:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """What is written of an object as long as its links are the same."""
+    """The encoded part of an object that stays valid as long as its links are the same."""
 
     number: int
     value: Any
     shape: Shape
     links: list[Any]
     dynamic: tuple[int, ...]
-    """The places of links to containers: what is written of these comes with each cut."""
+    """Indices of the links to containers; these are encoded again in each cut."""
     rows: Rows
-    """Of its arrays."""
+    """Rows of its arrays."""
     contents: list[int]
-    """The numbers of the arrays whose contents come with each cut."""
+    """Numbers of the arrays whose contents are part of each cut."""
 
 
 Cut = tuple[Part, Values, list[Any], list[bytes]]
-"""An object as it was taken: its part, its plain and fixed values, what is written of its containers, its arrays."""
+"""A captured object: its part, its plain and immutable values, its encoded containers, its array contents."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Written:
-    """A state as it was taken: nobody changes anything in it any more."""
+    """A captured state; immutable."""
 
     objects: list[Cut]
     rows: Rows
-    """Of containers and of arrays in these. They may hold, as it is, what nobody changes."""
+    """Rows of containers and of arrays in them; they may hold immutable values unencoded."""
     content: dict[int, bytes]
-    """What is in these arrays, by the numbers of their rows."""
+    """Contents of these arrays, by row number."""
     root: Any
     names: Mapping[int, str]
-    """Of constants, by their ids."""
+    """Names of constants, by object id."""
     last: int
-    """The highest number of a row."""
+    """The highest row number."""
 
     def packed(self) -> bytes:
-        """As `form.py` says; Unwritable for what is in no list of kinds. Thread: any one."""
+        """Return the state in the format of `byte_format.py`; Unwritable for objects of unknown kinds. Thread: any
+        one."""
         return _Packing(self).packed()
 
 
 class _Packing:
-    """One state on its way to bytes."""
+    """Encoding of one state."""
 
     def __init__(self, written: Written) -> None:
         self._written, self._names = written, written.names
@@ -94,7 +95,7 @@ class _Packing:
         self._kinds: dict[type, int] = {}
         self._rows: Rows = {}
         self._memo: dict[int, list[Any]] = {}
-        """What is written of values that nobody changes, by their ids: the state holds them meanwhile."""
+        """Encoded immutable values by id; the state keeps them alive."""
 
     def packed(self) -> bytes:
         said, written = self._said, self._written
@@ -119,7 +120,7 @@ class _Packing:
         return b"".join((HEAD.pack(len(tree)), tree, *contents))
 
     def _row(self, shape: Shape, values: Values) -> Row:
-        """The row of an object, but for its links."""
+        """Return the row of an object without its links."""
         number, many = self._kinds.setdefault(shape.kind.cls, len(self._kinds)), shape.many_plain
         row: Row = [number, values[:many], *[None] * (len(shape.fixed_at) + len(shape.links_at))]
         for place, each in zip(shape.fixed_at, values[many:], strict=True):
@@ -130,7 +131,7 @@ class _Packing:
         cls = type(value)
         if cls in PLAIN:
             return value
-        if cls is list:  # is written as it is, but for what is in it
+        if cls is list:  # an encoded value; only its items may need encoding
             return [each if type(each) in PLAIN else self._said(each) for each in value]
         if cls is tuple:
             return [None, *[each if type(each) in PLAIN else self._said(each) for each in value]]
@@ -152,7 +153,7 @@ class _Packing:
             return [VALUE, value.dtype.str[1:], value.item()]
         kind = BY_CLASS.get(cls)
         if kind is None or not is_fixed(kind):
-            raise Unwritable(f"{cls.__module__}.{cls.__qualname__} stands where nothing that changes can stand")
+            raise Unwritable(f"{cls.__module__}.{cls.__qualname__} is mutable, where only immutable values may be")
         if issubclass(cls, Enum):
             return [VALUE, kind.name, value.value]
         shape = shape_of(kind)
@@ -164,7 +165,7 @@ class _Packing:
 
 @cache
 def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The fields of a kind in the order in which they are written: plain values, and all others."""
+    """Return the fields of a kind in the order of writing: plain values, and all others."""
     types = kind.types()
     plain = tuple(name for name, found in types.items() if _is_plain(found))
     return plain, tuple(name for name in types if name not in plain)
@@ -172,13 +173,13 @@ def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 @cache
 def shape_of(kind: Kind) -> Shape:
-    """How objects of a kind are taken."""
+    """Return the capture plan of a kind."""
     return Shape(kind)
 
 
 @cache
 def is_fixed(kind: Kind) -> bool:
-    """Whether nobody can change an object of this kind, nor what it holds."""
+    """Whether objects of this kind, and all they hold, are immutable."""
     if issubclass(kind.cls, Enum):
         return True
     parameters = getattr(kind.cls, "__dataclass_params__", None)
@@ -186,14 +187,14 @@ def is_fixed(kind: Kind) -> bool:
 
 
 def values_of(names: tuple[str, ...]) -> Callable[[Any], Values]:
-    """What takes the values of these fields out of an object at once."""
+    """Return a function that reads the values of these fields from an object."""
     if len(names) > 1:
         return attrgetter(*names)
     return (lambda value: (getattr(value, names[0]),)) if names else (lambda value: ())
 
 
 def _is_plain(found: Type) -> bool:
-    """Whether it is a plain value, or a tuple of such."""
+    """Whether a type is a plain value, or a tuple of such."""
     return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.of))
 
 
@@ -203,7 +204,7 @@ def _is_fixed(found: Type) -> bool:
 
 
 def _checked(kind: Kind) -> Callable[[Any], None]:
-    """Raises Unwritable for an object that holds a field that is not listed."""
+    """Return a function that raises Unwritable for an object with an unlisted field."""
     if not kind.cls.__dictoffset__:
         return lambda value: None
     known = frozenset((*kind.names, *kind.anew))
@@ -219,4 +220,4 @@ def _checked(kind: Kind) -> Callable[[Any], None]:
 FIXED_CLASSES: Final = frozenset(
     {*PLAIN, complex, *_NUMBERS, *(kind.cls for kind in BY_NAME.values() if is_fixed(kind))}
 )
-"""Classes of what nobody changes: such a value is held until the state is packed."""
+"""Classes of immutable values; these are referenced until the state is packed."""

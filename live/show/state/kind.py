@@ -1,20 +1,20 @@
-"""Kind: what a snapshot holds of objects of one class: the name of the kind, and its fields with their types.
+"""Schema of snapshots: a kind is the serialized form of one class, with a name and fields with types.
 
-A kind's name is its own: neither a module nor a class, so that code may move while old snapshots stay readable. Types
-are written in a few words:
+Kind names are independent of modules and classes, so that code may move while old snapshots stay readable. Types are
+written as:
 
-    int float bool str none complex any     a value; a float may be a whole number
+    int float bool str none complex any     a value; a float may be an int
     f4 f8 i1 i4 i8 u1 u4 u8 b1 c16 array    an array of these numbers (`array`: of any)
     list[T] set[T] frozenset[T] deque[T]    containers
     dict[K,V] ordered[K,V] counter[K]
-    tuple[T,U] row[T]                       a tuple of so many values, of any number of them
-    method event                            a bound method that is listed in `methods`, an event of `live.control`
-    any other word                          an object of the kind (or of one of the kinds) of this name
+    tuple[T,U] row[T]                       a tuple of fixed length, of any length
+    method event                            a bound method listed in `METHODS`, an event of `live.control`
+    any other word                          an object of the kind of this name
     T|U                                     either
 
-An array has the shape that it has in a fresh show; `f4*` may have any. `i4(node)` holds indices of nodes: what a kernel
-finds something by is checked against how many there are. Numbers of arrays are finite, and no farther from 0 than
-`FARTHEST`; those of `f4~` may be any.
+An array has the same shape as in a fresh show; `f4*` may have any shape. `i4(node)` holds indices of nodes, which are
+checked against the number of nodes. Array values are finite with a magnitude up to `FARTHEST`; those of `f4~` may be
+any.
 """
 
 import re
@@ -26,18 +26,18 @@ NUMBERS: Final = {
     "f4": "<f4", "f8": "<f8", "i1": "|i1", "i4": "<i4", "i8": "<i8", "u1": "|u1", "u4": "<u4", "u8": "<u8",
     "b1": "|b1", "c16": "<c16",
 }  # fmt: skip
-"""Arrays by the word for what is in them, as numpy calls it."""
+"""Array types by type word, as numpy dtype strings."""
 
 FARTHEST: Final = 1e9
-"""No number of an array is farther from 0: as a whole one of 32 bits it is still itself."""
+"""Maximum magnitude of array values; it fits a 32-bit integer."""
 
 PLAIN: Final = frozenset({type(None), bool, int, float, str, bytes})
-"""Classes of values that are written as they are."""
+"""Classes of values that are written unchanged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """What a field may hold: the word, what is in it, what its numbers find, whether an array may have any shape, and
+    """Type of a field: word, item types, what its indices refer to, and whether an array may have any shape or
     hold any number."""
 
     word: str
@@ -48,12 +48,12 @@ class Type:
 
     @property
     def either(self) -> tuple["Type", ...]:
-        """The types of which it is one."""
+        """The alternatives of a union; else the type itself."""
         return self.of if self.word == "|" else (self,)
 
     @property
     def is_loose(self) -> bool:
-        """Whether an array in it may have any shape."""
+        """Whether any array in it may have any shape."""
         return self.any_shape or any(each.is_loose for each in self.of)
 
     def __str__(self) -> str:
@@ -65,44 +65,44 @@ class Type:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kind:
-    """What is written of objects of one class."""
+    """The serialized form of one class."""
 
     name: str
     cls: type
     words: str
-    """The fields: `name:type`, with blanks between them."""
+    """The fields, as `name:type` separated by white space."""
     anew: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
-    """Attributes that are not written: of the process, or made of the others. A read object has these."""
+    """Attributes that are not written (process-specific or derived), with factories for their values after reading."""
     after: Callable[[Any], object] | None = None
-    """Called with each object once all are read and checked."""
+    """Called with each object after all are read and checked."""
     whole: Callable[[Any], bool] | None = None
-    """Whether what an object holds fits together; asked after all fields were checked."""
+    """Consistency check of an object; called after all fields were checked."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The fields, in their order."""
+        """The field names, in order."""
         return tuple(word.partition(":")[0] for word in self.words.split())
 
     def types(self) -> dict[str, Type]:
-        """The fields and what they may hold."""
+        """Return the fields and their types."""
         return {name: type_of(text) for name, _, text in (word.partition(":") for word in self.words.split())}
 
 
 def nothing() -> None:
-    """The value of an attribute that belongs to the process."""
+    """Factory for process-specific attributes: None."""
 
 
 _WORDS: Final = re.compile(r"[\w.-]+|[][|,()*~]")
 
 
 def type_of(text: str) -> Type:
-    """A type from its words; ValueError if they are none."""
+    """Parse a type; ValueError if it is invalid."""
     words = _WORDS.findall(text)
     if "".join(words) != text:
-        raise ValueError(f"{text!r} is no type")
+        raise ValueError(f"{text!r} is not a type")
     found = _either(words)
     if words:
-        raise ValueError(f"{text!r} is no type: {words[0]!r} is too much")
+        raise ValueError(f"{text!r} is not a type: {words[0]!r} is unexpected")
     return found
 
 

@@ -1,7 +1,7 @@
-"""All kinds of objects that a state of a show holds, by name and by class.
+"""All kinds of objects in the state of a show, by name and by class.
 
-What is added to the state of a show is added here: `tests/show/state` walks through the shows of all patches and names
-what is missing.
+Every addition to the state of a show must be listed here; `tests/show/state` walks through the shows of all patches and
+reports missing entries.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ from live.show.state.kinds_dance import KINDS as DANCE
 from live.show.state.kinds_desk import KINDS as DESK
 
 EVENT: Final = "event-"
-"""The kind of an event begins with this; then its type follows as journals have it."""
+"""Prefix of the kinds of events, before the event type as in journals."""
 
 _EVENTS: Final = [
     Kind(f"{EVENT}{name}", cls, " ".join(f"{field.name}:{field.type.__name__}" for field in fields(cls)))  # type: ignore[union-attr]
@@ -66,7 +66,7 @@ CONSTANT: Final[dict[str, type]] = {
     "constant-units": Units,
     "constant-written": Written,
 }
-"""What fields may hold that is named, and never written."""
+"""Classes of constants, which are referred to by name and never written."""
 
 BY_NAME: Final = {kind.name: kind for kind in (*CORE, *DANCE, *DESK, *_EVENTS)}
 BY_CLASS: Final = {kind.cls: kind for kind in BY_NAME.values()}
@@ -76,4 +76,4 @@ METHODS: Final[dict[tuple[str, str], Callable[..., Any]]] = {
     ("interrupts", "_sent"): Interrupts._sent,
     ("group-motion", "_ask_ahead"): GroupMotion._ask_ahead,
 }
-"""The methods that a state may hold, of objects of these kinds."""
+"""The bound methods that a state may hold, by kind and name."""

@@ -1,4 +1,4 @@
-"""Kinds of what the core holds: clock, motion, agents, graph."""
+"""Kinds of the packages below `show`: clock, motion, agents, graph."""
 
 from typing import Final
 

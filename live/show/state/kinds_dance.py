@@ -1,4 +1,4 @@
-"""Kinds of what a show holds of its dancers: plans, steps, ways, answers."""
+"""Kinds of a show's dancers: plans, steps, paths, partner responses."""
 
 from typing import Final
 

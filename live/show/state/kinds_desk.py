@@ -1,4 +1,4 @@
-"""Kinds of what a show holds beside its dancers: score, groups, cues, desk, audience, edits."""
+"""Kinds of a show other than its dancers: score, groups, cues, desk, audience, edits."""
 
 from typing import Final
 
@@ -54,7 +54,7 @@ from live.show.view.view_builder import Seen
 
 
 def _outside() -> int:
-    """No stage runs between two ticks."""
+    """Return the number of no stage, because none runs between ticks."""
     return int(Stage.OUTSIDE)
 
 

@@ -1,10 +1,8 @@
-"""Snapshots: the whole state of a show after a tick as bytes, from which it goes on bit by bit (T148, T150).
+"""Snapshots: the whole state of a show after a tick, as bytes, for a bit-identical continuation (T148, T150).
 
-Taken where nothing is half planned. What patch and steps decide (graph, tables) is named and found again in a fresh
-show; what every tick works out anew is left out; all else is written field by field (`live/show/state`): a snapshot is
-data, and reading one calls nothing that it names.
-
-Keeping: when a running show's snapshots are taken (T148).
+A snapshot is taken when no planning is in progress. Objects determined by patch and steps (graph, tables) are stored by
+name and looked up in a fresh show; values recomputed in every tick are left out; everything else is written field by
+field (`live/show/state`). A snapshot is pure data: reading it calls nothing that it names.
 """
 
 import hashlib
@@ -36,7 +34,7 @@ from live.show.state.type_check import check_state
 Array = npt.NDArray[Any]
 
 FORMAT: Final = 2
-"""1 was a pickle, and is refused."""
+"""Format 1 was a pickle, and is refused."""
 CONSTANT: Final = {
     "graph": "graph",
     "patch": "patch",
@@ -54,31 +52,31 @@ CONSTANT: Final = {
     "scenes": "desk.scenes._scenes",
     "cues": "desk.cues._cues",
 }
-"""What patch, steps and seed alone decide, by the name that snapshots have for it: found again in a fresh show, ..."""
+"""Constants, determined by patch, steps and seed: paths by their names in snapshots. A fresh show provides them."""
 VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")
-"""... but for these tables in it, which measures change, ..."""
+"""Tables inside constants that change in the course of a show."""
 SCRATCH: Final = (
     "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
     "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
     "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
     "motion.elements._field._near", "motion._advance._advance._rows", "motion._advance._advance._numbers",
 )  # fmt: skip
-"""... and what is worked out before it is read."""
+"""Scratch arrays, which are computed before they are read."""
 
 
 class SnapshotError(Exception):
-    """A snapshot that cannot be taken or used; the message says why."""
+    """A snapshot that cannot be taken or used; the message gives the reason."""
 
 
 class _Of:
-    """What snapshots are of: their graph and patch, and the hashes by which these are known again."""
+    """Graph and patch of snapshots, with their hashes."""
 
     def __init__(self, graph: MotionGraph, patch: Patch) -> None:
         self.graph, self.patch = graph, patch
         self._hashes: dict[str, str] = {}
 
     def hashes(self) -> dict[str, str]:
-        """Worked out when they are first asked for. Thread: any one."""
+        """Return the hashes, computed at the first call. Thread: any one."""
         if not self._hashes:
             self._hashes = {"steps_hash": steps_hash(self.graph), "patch_hash": patch_hash(self.patch)}
         return self._hashes
@@ -86,19 +84,19 @@ class _Of:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
-    """A state as it was taken within the frame; what takes longer is done by whoever calls `seal`."""
+    """A state captured within the frame; `seal` does the slow part later."""
 
     written: Written
     tick: int
     measure: int
-    """Measure that runs, from 1."""
+    """The current measure, from 1."""
     seed: int
     of: _Of
 
     def seal(self) -> bytes:
-        """The snapshot: a line of JSON, and the state, compressed. Thread: any one.
+        """Return the snapshot: a line of JSON, and the compressed state. Thread: any one.
 
-        SnapshotError if the show held something that is in no list of kinds, or a field that its kind does not list.
+        SnapshotError if the show held an object of an unknown kind, or an unlisted field.
         """
         try:
             payload = self.written.packed()
@@ -121,7 +119,7 @@ class Snapshots:
     """Takes snapshots of one show. Thread: the show's."""
 
     def __init__(self, show: Show) -> None:
-        """Looks once through all that is constant: some milliseconds, not within a frame."""
+        """Walks through all constants; this takes some milliseconds, so not within a frame."""
         self.show = show
         self._constants: Constants | None = None
         self._begin()
@@ -134,9 +132,9 @@ class Snapshots:
         self._variable = [at(show, path) for path in VARIABLE]
 
     def take(self, tick: int) -> Taken | None:
-        """The state after the tick `tick`; None while something is half planned: try again at the next tick.
+        """Capture the state after `tick`; None while planning is in progress: try again at the next tick.
 
-        SnapshotError if the show holds something that is in no list of kinds.
+        SnapshotError if the show holds an object of an unknown kind.
         """
         show = self.show
         if not at_rest(show):
@@ -151,21 +149,22 @@ class Snapshots:
 
 
 def at_rest(show: Show) -> bool:
-    """Whether nothing is half planned, so that the state is plain values."""
+    """Whether no planning is in progress, so that the state is plain values."""
     steps = at(show, "_new_steps").at_rest
     return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.reloading.waiting is None)
 
 
 def snapshot(show: Show, tick: int | None = None) -> bytes:
-    """The show's state after `tick` (None: the one at `show.time`); SnapshotError while something is half planned."""
+    """Return the show's state after `tick` (None: the one at `show.time`); SnapshotError while planning is in
+    progress."""
     taken = Snapshots(show).take(round(show.time / TICK) if tick is None else tick)
     if taken is None:
-        raise SnapshotError("something is half planned: take it some ticks later")
+        raise SnapshotError("planning is in progress: take the snapshot some ticks later")
     return taken.seal()
 
 
 def facts_of(data: bytes) -> dict[str, Any]:
-    """What a snapshot says of itself (tick, measure, seed …), its check-sum proven; SnapshotError names the damage."""
+    """Return a snapshot's header (tick, measure, seed …) after verifying its checksum; SnapshotError for damage."""
     line, _, packed = data.partition(b"\n")
     try:
         facts = json.loads(line)
@@ -176,16 +175,16 @@ def facts_of(data: bytes) -> dict[str, Any]:
     if kind != FORMAT or version != __version__:
         raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
     if not whole or not 0 <= facts["size"] <= MOST_BYTES or _check(facts, packed) != check:
-        raise SnapshotError("the snapshot is damaged: its check-sum is another")
+        raise SnapshotError("the snapshot is damaged: its checksum is wrong")
     known: dict[str, Any] = facts
     return known
 
 
 def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Show:
-    """The show as it was when `snapshot` gave these bytes; SnapshotError for damage, another patch, other steps.
+    """Return the show in the state of the snapshot; SnapshotError for damage, another patch or other steps.
 
-    `fresh`: a show that `loaded` has started and that nothing has happened to; it is used up. Without it one is made.
-    Whoever listens to the old show (`seed_tracker`) has to be told anew.
+    `fresh`: an unused show that `loaded` has started; it must not be used afterwards. Default: start one. Listeners of
+    the old show (`seed_tracker`) must be registered again.
     """
     facts = facts_of(data)
     for key, found, words in (
@@ -193,7 +192,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
         ("patch_hash", patch_hash(loaded.patch), "patch"),
     ):
         if facts.get(key) != found:
-            raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than there are ({found})")
+            raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than those loaded ({found})")
     root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
     try:
         show, variable = _read(_unpacked(data, facts["size"]), root)
@@ -224,12 +223,12 @@ def _read(payload: bytes, fresh: Show) -> tuple[Show, tuple[Array, ...]]:
     check_state(show, "show", fresh, many_of(fresh))
     like = [at(fresh, path) for path in VARIABLE]
     if [_form(each) for each in variable] != [_form(each) for each in like]:
-        raise Unreadable("its tables are others")
+        raise Unreadable("its tables have other shapes")
     return show, variable
 
 
 def many_of(show: Show) -> dict[str, int]:
-    """How many there are of what indices in a state find, by the word that its kinds have for it."""
+    """Return the number of items that each index type of the kinds can refer to."""
     graph, bank, choosing = show.graph, show.dancers.texturing.bank, show.scheduler.choosing
     return {
         "node": graph.library.node_count,
@@ -252,7 +251,7 @@ def _form(found: object) -> tuple[Any, ...]:
 
 
 def patch_hash(patch: Patch) -> str:
-    """A short hash over all that a patch says."""
+    """Return a short hash of a patch's content."""
     return hashlib.blake2b(patch.model_dump_json().encode(), digest_size=8).hexdigest()
 
 
@@ -269,13 +268,13 @@ def _check(facts: dict[str, Any], packed: bytes) -> str:
 
 
 AFTER_LINE: Final = 6
-"""Ticks after a measure line at which a snapshot is taken: the frame of the line has enough to do."""
+"""Ticks between a measure line and its snapshot, because the frame of the line is busy."""
 PATIENCE: Final = 8
-"""After so many failures in a row no snapshot is tried any more: that costs time in the frame."""
+"""Failures in a row after which no more snapshots are tried, because each costs time in the frame."""
 
 
 class Keeping:
-    """Takes one snapshot a measure, at the first tick at which nothing is half planned. Thread: the show's."""
+    """Snapshot policy: one per measure, at the first tick without planning in progress (T148). Thread: the show's."""
 
     def __init__(self, put: Callable[[Taken], None]) -> None:
         self._put = put
@@ -285,14 +284,14 @@ class Keeping:
         self.failed = 0
         """Snapshots that could not be taken."""
         self.problem = ""
-        """Why not, of the last one."""
+        """Reason of the last failure."""
 
     def prepare(self, show: Show) -> None:
-        """Do what takes some milliseconds, before the show begins; left out, it is done with the first snapshot."""
+        """Prepare for snapshots of this show, which takes some milliseconds; otherwise the first snapshot does it."""
         self._source = Snapshots(show)
 
     def after(self, show: Show, tick: int, *, begins: bool) -> None:
-        """The tick `tick` was run; `begins`: a measure began with it."""
+        """Take a snapshot if one is due. Call it after each tick; `begins`: a measure began with `tick`."""
         if begins:
             self._due = tick + AFTER_LINE
         if self._due is None or tick < self._due or self._in_a_row >= PATIENCE:

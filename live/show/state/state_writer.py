@@ -1,7 +1,7 @@
-"""Writing: within a frame all of a state is taken, so that nothing that happens later changes it.
+"""Capture of a show's whole state within a frame, isolated from later changes.
 
-What is taken is a table of rows, one for each object, container and array, by number; see `form.py`. What nobody can
-change is only held; `packing.py` writes that when there is time.
+The result is a table of numbered rows, one for each object, container and array; see `byte_format.py`. Immutable values
+are only referenced; `encoder.py` encodes them later.
 """
 
 from collections import Counter, OrderedDict, deque
@@ -37,13 +37,13 @@ Encode = Callable[[Any], Any]
 Contents = list[tuple[int, Callable[[], bytes]]]
 
 LARGE: Final = 1 << 15
-"""Bytes from which on it is worth looking for zeros at the end of an array: looking is quicker than copying."""
+"""Array size from which trailing zeros are trimmed [bytes]: the search is faster than copying."""
 LEAST: Final = 512
 """Bytes that are always copied."""
 
 
 class _Array:
-    """What is remembered of an array: its number, the rows and contents that it needs, and who remembers it."""
+    """Cache entry of an array: its number, the rows and contents it needs, and its reference count."""
 
     __slots__ = ("contents", "number", "pins", "ref", "rows", "turn", "value")
 
@@ -56,7 +56,7 @@ class _Array:
 
 
 class _Object:
-    """What is remembered of an object: its links, and what is written of them."""
+    """Cache entry of an object: its links and their encoded form."""
 
     __slots__ = ("arrays", "children", "dynamic", "held", "part", "reads", "ref", "shape", "turn", "value")
 
@@ -64,20 +64,20 @@ class _Object:
         self.value, self.shape, self.ref = value, shape, [number]
         self.held: tuple[Any, ...] | None = None
         self.dynamic: tuple[int, ...] = ()
-        """The places of links to containers, which are looked through each time."""
+        """Indices of links to containers, which are encoded each time."""
         self.children: list[_Object] = []
         self.arrays: list[_Array] = []
         self.reads: list[Callable[[], bytes]] = []
         self.part: Part
-        """What is written of its links, as long as they are the same."""
+        """The encoded links, valid as long as the links are the same."""
         self.turn = 0
 
 
 class StateWriter:
-    """Takes the state of one show again and again. Thread: the show's.
+    """Repeated capture of the state of one show. Thread: the show's.
 
-    It runs within a frame. What an object holds is mostly the very same as last time: then its arrays are only copied,
-    what is plain by its type is taken as it is, and only containers are looked through.
+    It runs within a frame. Most objects hold the same links as last time: then only their arrays and plain values are
+    copied and their containers encoded.
     """
 
     def __init__(self, constants: Constants) -> None:
@@ -97,7 +97,7 @@ class StateWriter:
         self._content: dict[int, bytes] = {}
 
     def write(self, root: Any) -> Written:
-        """Take `root` and all that it holds; Unwritable for what is in no list of kinds."""
+        """Capture `root` and all that it holds; Unwritable for an object of an unknown kind."""
         self._turn += 1
         self._begin()
         found = self._ref(root)
@@ -106,7 +106,7 @@ class StateWriter:
         return Written(self._cuts, self._rows, self._content, found, self._names, self._last)
 
     def _take(self) -> None:
-        """Take all objects that are asked for, and what that asks for."""
+        """Capture all queued objects and, transitively, all they refer to."""
         turn, queue, cuts, encoders, memo = self._turn, self._queue, self._cuts, self._encoders, self._memo
         for known in queue:
             value, shape = known.value, known.shape
@@ -125,7 +125,7 @@ class StateWriter:
                     queue.append(child)
 
     def _look(self, known: _Object, held: tuple[Any, ...]) -> None:
-        """What an object holds has changed: say anew what is written of it."""
+        """Encode an object's links again, because they have changed."""
         before = known.arrays
         links: list[Any] = []
         dynamic: list[int] = []
@@ -169,14 +169,14 @@ class StateWriter:
             kind = BY_CLASS.get(type(value))
             if kind is None:
                 raise Unwritable(
-                    f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state holds"
+                    f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state may hold"
                 )
             self._last += 1
             known = self._objects[id(value)] = _Object(value, self._last, shape_of(kind))
         return known
 
     def _forget(self) -> None:
-        """Forget objects and arrays that nobody holds any more, once there are many."""
+        """Remove unused objects and arrays from the cache once there are many."""
         if len(self._objects) + len(self._arrays) <= 2 * self._many + 256:
             return
         for key, known in list(self._objects.items()):
@@ -195,10 +195,10 @@ class StateWriter:
         found = self._memo.get(id(value))
         return self._encoders[type(value)](value) if found is None else found
 
-    # -- how what containers hold is taken -----------------------------------------------------------------------
+    # -- encoding of values in containers ------------------------------------------------------------------------
 
     def encoder(self, cls: type) -> Encode:
-        """What takes objects of this class."""
+        """Return the function that captures objects of this class."""
         if cls in _CONTAINERS:
             found: Encode = getattr(self, _CONTAINERS[cls])
             return found
@@ -221,7 +221,7 @@ class StateWriter:
         owner, name = value.__self__, value.__func__.__name__
         kind = BY_CLASS.get(type(owner))
         if kind is None or (kind.name, name) not in METHODS:
-            raise Unwritable(f"the method {type(owner).__name__}.{name} is none that a state holds")
+            raise Unwritable(f"the method {type(owner).__name__}.{name} is not listed in METHODS")
         return [METHOD, self._ref(owner), name]
 
     def _tuple(self, value: tuple[Any, ...]) -> Any:
@@ -233,7 +233,7 @@ class StateWriter:
         return value
 
     def _row(self, value: Any, row: Row) -> list[Any]:
-        """The row of a container; what it holds is still to be added."""
+        """Add the row of a container; the caller appends the items."""
         number = -1 - len(self._memo)
         ref = self._memo[id(value)] = [number]
         self._rows[number] = row
@@ -286,13 +286,13 @@ class StateWriter:
         return known
 
     def _describe(self, known: _Array, value: Any) -> None:
-        """How it is written: its name, or its row and what reads its content; those of what it is a part of, too."""
+        """Set how an array is written: by name, or by its row and a reader of its content; a view includes its base."""
         name = self._names.get(id(value))
         if name is not None:
             known.ref = [name]
             return
         if value.dtype.hasobject:
-            raise Unwritable("an array of objects is nothing that a state holds")
+            raise Unwritable("a state cannot hold an array of objects")
         name = self._scratch.get(id(value))
         if name is not None:
             known.rows[known.number] = [SCRATCH, name]
@@ -317,10 +317,10 @@ class StateWriter:
 
 
 def used_bytes(array: Any) -> bytes:
-    """What is in a large array, but for most of the zeros at its end: tables have room to spare."""
+    """Return the content of a large array without most of its trailing zeros; tables have spare capacity."""
     if not array.flags.c_contiguous:
         return bytes(array.tobytes())
-    content = array.reshape(-1).view(np.bool_)  # of all types this is what numpy looks through the quickest
+    content = array.reshape(-1).view(np.bool_)  # numpy scans booleans fastest
     end = len(content)
     while end > LEAST and not content[end // 2 : end].any():
         end //= 2
@@ -334,7 +334,7 @@ _CONTAINERS: Final = {
 
 
 class _Encoders(dict[type, Encode]):
-    """How objects of each class are taken; those of new classes are looked at when the first one comes."""
+    """The capture function of each class, created at the first use of the class."""
 
     def __init__(self, made: Callable[[type], Encode]) -> None:
         super().__init__()

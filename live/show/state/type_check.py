@@ -1,7 +1,7 @@
-"""Checking a state that was read: every field holds what its kind says, so that no kernel reads beyond an array.
+"""Type checker for a decoded state: every field must match its kind, so that no kernel reads beyond an array.
 
-Types are checked from the root on. Arrays must have the shape that they have in a fresh show of the same patch, and
-what indexes something must lie within it.
+Types are checked from the root on. Arrays must have the same shape as in a fresh show of the same patch, and indices
+must be in range.
 """
 
 from collections import Counter, OrderedDict, deque
@@ -22,13 +22,13 @@ _CLASSES: Final[dict[str, tuple[type, ...]]] = {
     "list": (list,), "row": (tuple,), "tuple": (tuple,), "set": (set,), "frozenset": (frozenset,), "deque": (deque,),
     "dict": (dict,), "ordered": (OrderedDict,), "counter": (Counter,),
 }  # fmt: skip
-"""The classes of what a word stands for; those of kinds are known by their names."""
+"""The classes of each type word other than kinds."""
 
 
 def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -> None:
-    """Unreadable, naming the field, unless `root` is an object of the kind `found`, and whole.
+    """Raise Unreadable, naming the field, unless `root` is a valid object of the kind `found`.
 
-    `fresh`: the same before anything happened; `many`: how many there are of what indices find, by name.
+    `fresh`: the root of an unused show; `many`: the number of items of each index type.
     """
     types = _Types(many)
     try:
@@ -37,12 +37,12 @@ def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -
         types.finish()
     except Unreadable:
         raise
-    except Exception as error:  # what is crafted may lack what nobody lacks
+    except Exception as error:  # crafted objects may lack attributes
         raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
 
 
 class _Types:
-    """Goes through all that a value holds, once."""
+    """Traversal of a value and all it holds."""
 
     def __init__(self, many: Mapping[str, int]) -> None:
         self._many = many
@@ -51,7 +51,7 @@ class _Types:
         self._waiting: list[tuple[Any, Type, str]] = []
 
     def check(self, root: Any, wanted: Type) -> None:
-        """Unreadable for what is of another type."""
+        """Raise Unreadable for a value of another type."""
         self._waiting.append((root, wanted, ""))
         while self._waiting:
             value, wanted, where = self._waiting.pop()
@@ -68,20 +68,20 @@ class _Types:
                 self._look(value, found, where)
         for value, kind in self._objects:
             if kind.whole is not None and not kind.whole(value):
-                raise Unreadable(f"what a {kind.name!r} holds does not fit together")
+                raise Unreadable(f"the fields of a {kind.name!r} are inconsistent")
 
     def finish(self) -> None:
-        """Have objects work out what is not written of them."""
+        """Let objects compute their unwritten attributes."""
         for value, kind in self._objects:
             if kind.after is not None:
                 kind.after(value)
 
     def _within(self, value: Any, wanted: Type, where: str) -> None:
-        """Indices must find something; -1 stands for nothing."""
+        """Check that indices are in range; -1 means none."""
         many = self._many[wanted.finds]
         low, high = (value, value) if type(value) is int else (value.min(initial=0), value.max(initial=-1))
         if low < -1 or high >= many:
-            raise Unreadable(f"{where} finds {wanted.finds} {low} to {high} of {many}")
+            raise Unreadable(f"{where} holds {wanted.finds} indices {low} to {high}, there are {many}")
 
     def _look(self, value: Any, found: Type, where: str) -> None:
         kind = BY_CLASS.get(type(value))
@@ -99,7 +99,7 @@ _INSIDE: Final = frozenset({"list", "row", "tuple", "set", "frozenset", "deque",
 
 
 def _inside(value: Any, found: Type, where: str) -> Iterable[tuple[Any, Type]]:
-    """What a container holds, with what it may be."""
+    """Return the items of a container with their types."""
     if found.word == "tuple":
         return zip(value, found.of, strict=True)
     if found.word in ("dict", "ordered"):
@@ -128,14 +128,14 @@ _types: dict[str, dict[str, Type]] = {}
 
 
 def types_of(kind: Kind) -> dict[str, Type]:
-    """The fields of a kind and what they may hold; read from its words once."""
+    """Return the fields of a kind and their types, parsed once."""
     if kind.name not in _types:
         _types[kind.name] = kind.types()
     return _types[kind.name]
 
 
 def _check_shapes(root: Any, fresh: Any) -> None:
-    """Arrays have the shape that they have in `fresh`, wherever both have one."""
+    """Check that arrays have the same shape as in `fresh`, wherever both exist."""
     known: set[int] = set()
     waiting = [(root, fresh, "")]
     while waiting:

@@ -1,1 +1,1 @@
-"""The show network: pairing, claims and standbys on other machines. It may import what `supervisor` may."""
+"""Show network: pairing, leadership and standby machines. It may import whatever `supervisor` may."""

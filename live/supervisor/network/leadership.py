@@ -1,22 +1,23 @@
-"""Leadership: which machine leads a show, decided from messages and time alone.
+"""Leader election between machines, as a pure function of messages and time.
 
-What the law is. *A machine leads* when its dance is the show: it plays, sends, and its state is the one that counts;
-who stands by may draw the same picture, in lockstep. Machines that hear each other have one leader. Nobody dances for
-3 s at most while a machine is healthy: it runs and is not starved, and leads, or is the deputy and ready, or has led
-before and hears nobody who does. Two lead only while they cannot hear each other, and for at most MEET seconds after
-they can: with two machines and no third one to ask, a cut wire and a dead machine look alike, and of consistency and
-availability (Gilbert and Lynch, 2002) a show needs the second. Each projector goes on; when the machines meet,
-exactly one of them goes on leading.
+The invariants. *A machine leads* when its state is the show: it plays, sends, and its state counts; a follower may draw
+the same picture in lockstep. Machines that can reach each other have one leader. The show stops for 3 s at most while
+one machine is healthy: it runs, is not starved, and leads, or is the deputy and ready, or has led before and reaches no
+leader. Two machines lead only while they cannot reach each other, and for at most MEET seconds after they can: with two
+machines and no third one to ask, a broken link and a dead machine look alike, and of consistency and availability
+(Gilbert and Lynch, 2002) a show needs the second. Each projector then continues; when the machines meet again, exactly
+one of them keeps the lead.
 
-How. Each leader has a *term*: an epoch and the leader's identity. Who takes over counts the epoch on; the greater
-term rules (identities break ties), and who hears a signed claim to a greater one goes dark at once and follows. The
-leader tells followers every PULSE that it is there, also while its engine hangs or is replaced: that is not death,
-its own supervisor takes over first. If that takes too long it hands over to its *deputy*: the first follower that is
-ready. Only the deputy takes silence for death, only if it is ready (it has compared hashes), and only seconds count
-in which it ran itself: `turn` is what it measured of its own (`live.supervisor.network.remote_standby`).
+The protocol. Each leader has a *term*: an epoch and the leader's identity. A machine that takes over increments the
+epoch; the greater term rules (identities break ties), and a machine that receives a signed claim to a greater one goes
+dark at once and follows. The leader sends a pulse to its followers every PULSE, also while its engine hangs or is
+replaced: its own supervisor handles that first. If that takes too long, it hands over to its *deputy*: the first
+follower that is ready. Only the deputy takes silence for death, and only if it is ready (it has compared hashes). Only
+seconds count in which it ran itself: it measures these as `turn` (`live.supervisor.network.remote_standby`).
 
 The class is pure: no clock, no socket. `live.supervisor.network.remote_standby` drives it, and so does the model in
-`tests/supervisor/network/test_leadership.py`, which checks the law under loss, delay, partitions, crashes and stalls.
+`tests/supervisor/network/test_leadership.py`, which checks the invariants under loss, delay, partitions, crashes and
+stalls.
 """
 
 from dataclasses import dataclass, field
@@ -24,27 +25,29 @@ from enum import Enum
 from typing import Final
 
 PULSE: Final = 0.1
-"""Seconds between two signs of a machine's life."""
+"""Seconds between two pulses."""
 SILENCE: Final = 1.5
-"""Seconds of listening in silence after which a deputy takes its leader for dead. A supervisor that merely shares its
-processor with much else is late by tenths of a second."""
+"""Seconds of silence after which a deputy takes its leader for dead. A supervisor that merely shares its processor is
+late by tenths of a second.
+"""
 RETURN: Final = 2.2
-"""The same for a machine that led before and is not ready yet: it knows the show, but others may know it better."""
+"""The same for a machine that led before and is not ready yet: it knows the show, but others may have a newer state."""
 HAND_OVER: Final = 2.6
-"""Seconds in which nobody dances after which a leader hands over. A spare takes over within 0.3 s of a death, and of a
-hang on a quiet machine within 2.5 s."""
+"""Seconds without a running engine after which a leader hands over. A spare engine takes over within 0.3 s of a death,
+and within 2.5 s of a hang on a quiet machine.
+"""
 FRESH: Final = 0.5
-"""Seconds since its last sign within which a machine can be handed over to."""
+"""Greatest age of a follower's last message for a hand-over [s]."""
 LOST: Final = 3.0
-"""Seconds without a sign after which a link is given up; who reached the other machine reaches out anew."""
+"""Seconds without a message after which a link is closed; the side that opened it reconnects."""
 MEET: Final = 2.5
-"""Seconds within which machines that can hear each other again have one leader."""
+"""Seconds within which machines that can reach each other again have one leader."""
 MOST_AHEAD: Final = 16
-"""A claim to an epoch farther ahead than this is no claim: so many machines have not taken over since."""
+"""Claims to an epoch farther ahead are ignored: so many changes of leader cannot have been missed."""
 
 
 class Role(Enum):
-    """What a machine does."""
+    """Role of a machine."""
 
     LEADS = "leads"
     FOLLOWS = "follows"
@@ -52,7 +55,7 @@ class Role(Enum):
 
 @dataclass(frozen=True, slots=True, order=True)
 class Term:
-    """Who leads since when; the greater one rules."""
+    """Leader and epoch; the greater term rules."""
 
     epoch: int
     leader: str
@@ -60,32 +63,32 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Pulse:
-    """I live."""
+    """Regular sign of life."""
 
     term: Term
     leads: bool
     ready: bool = False
-    """Of a follower: it could go on with the show now."""
+    """Of a follower: whether it could resume the show now."""
     deputy: bool = False
-    """Of a leader: you are the one who is to take over from me."""
+    """Of a leader: whether the receiver is its deputy."""
     other: bool = False
-    """Of a leader: another machine is."""
+    """Of a leader: whether another machine is its deputy."""
     silent: float | None = 0.0
-    """Seconds since the leader itself gave a sign, as far as this machine knows; None: it follows nobody."""
+    """Seconds since the leader's own last message, as far as this machine knows; None: it follows no machine."""
     idle: float = 0.0
-    """Of a leader: seconds for which nobody has danced."""
+    """Of a leader: seconds since an engine last ran."""
 
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """This term rules; who hears it with a lower one follows. Only ever heard with a signature that was checked."""
+    """Claim that this term rules; a receiver with a lower term follows. The signature is checked before."""
 
     term: Term
 
 
 @dataclass(frozen=True, slots=True)
 class HandOver:
-    """Nobody dances here: lead, if you can."""
+    """Request to the deputy to lead, because no engine runs on the leader."""
 
     term: Term
 
@@ -103,30 +106,30 @@ class Send:
 
 @dataclass(frozen=True, slots=True)
 class Lead:
-    """Lead from now on."""
+    """Start to lead."""
 
     why: str
     silent: float
-    """Seconds of silence before."""
+    """Seconds of silence before that."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dark:
-    """Lead no more: nothing is shown, sent or played here, until this machine follows or leads."""
+    """Stop leading: nothing is shown, sent or played until this machine follows or leads."""
 
     why: str
 
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Take the show from that link."""
+    """Follow the show from that link."""
 
     link: str
 
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """Give up a link."""
+    """Close a link."""
 
     link: str
 
@@ -137,42 +140,42 @@ Action = Send | Lead | Dark | Follow | Drop
 @dataclass(slots=True)
 class _Link:
     heard: float
-    """When it gave the last sign [s]."""
+    """When its last message came [s]."""
     upstream: bool
-    """Whether this machine was told to follow that one."""
+    """Whether this machine was configured to follow that one."""
     ready: bool = False
     term: Term | None = None
     told_at: float = -1e9
-    """When it was last told which term rules."""
+    """When the current term was last sent to it."""
 
 
 @dataclass(slots=True)
 class Leadership:
-    """One machine's part. Times [s] are of any clock that does not go back. Thread: one."""
+    """State of one machine in the election. Times [s] are of any monotonic clock. Thread: one."""
 
     me: str
-    """This machine, as no other one is called."""
+    """Unique name of this machine."""
     role: Role
     term: Term = field(init=False)
     leader: str | None = None
-    """The link to the machine that is followed."""
+    """Link to the machine that is followed."""
     deputy: str | None = None
-    """While leading: the link to who takes over. Only one does, so that two never take over from one."""
+    """While leading: link to the deputy. There is only one, so that two machines never take over at once."""
     is_deputy: bool = False
-    """While following: whether the leader said so last."""
+    """While following: whether the leader's last pulse named this machine as deputy."""
     silent: float = 0.0
-    """Seconds that this machine has listened to nobody who leads."""
+    """Seconds for which this machine has listened and received nothing from a leader."""
     refused: int = 0
-    """Claims and other messages that counted for nothing."""
+    """Claims and other messages that were rejected."""
     led: bool = False
-    """Whether this machine has danced a show that it led."""
+    """Whether this machine has run a show as leader."""
     _other: bool = False
     _idle: float = 0.0
     _links: dict[str, _Link] = field(default_factory=dict)
     _pulse_at: float = -1e9
 
     def __post_init__(self) -> None:
-        """A machine that begins to lead does so in epoch 1; who follows has none of its own yet."""
+        """Start in epoch 1 as a leader; a follower has no term of its own yet."""
         self.term = Term(1, self.me) if self.leads else Term(0, "")
 
     @property
@@ -181,12 +184,12 @@ class Leadership:
         return self.role is Role.LEADS
 
     def joined(self, link: str, now: float, *, upstream: bool = False) -> list[Action]:
-        """A link to a machine that may take part is there; `upstream`: this machine was told to follow it."""
+        """A link to a paired machine is open. `upstream`: this machine was configured to follow it."""
         self._links[link] = _Link(now, upstream)
         return [Send(link, self._pulse(link))]
 
     def left(self, link: str) -> None:
-        """A link has ended, which says nothing of the machine behind it."""
+        """A link has closed; the machine behind it may still run."""
         self._links.pop(link, None)
         if link == self.deputy:
             self.deputy = None
@@ -194,14 +197,14 @@ class Leadership:
             self.leader = None
 
     def gone(self, *, ready: bool) -> list[Action]:
-        """The machine that was followed says itself that nobody is there any more: its port refuses. No need to wait
-        in silence."""
+        """The followed machine refuses connections, so no supervisor runs there. Promote at once if this is the ready
+        deputy."""
         if self.leads or self.leader is not None or not (self.is_deputy and ready):
             return []
-        return self.take_over("for its leader has gone")
+        return self.take_over("because its leader has gone")
 
     def heard(self, link: str, message: Message, now: float) -> list[Action]:
-        """A message came."""
+        """Handle a message."""
         there = self._links.get(link)
         if there is None:
             return []
@@ -212,17 +215,19 @@ class Leadership:
             if self.leads or link != self.leader or message.term != self.term:
                 self.refused += 1
                 return []
-            return self.take_over("for nobody danced on the other machine")
+            return self.take_over("because no engine ran on the other machine")
         there.term, there.ready = message.term, message.ready
         if self.leads:
-            # one with a greater term claims that, with a signature
+            # a machine with a greater term sends a signed claim
             return self._tell(link, there, now) if message.term < self.term else []
         return self._follows(link, there, message, now)
 
     def look(self, now: float, turn: float, *, ready: bool, idle: float | None = None) -> list[Action]:
-        """To be called every few hundredths of a second. `turn` [s]: since the last time, as far as this machine ran
-        itself; `ready`: it could go on with the show; `idle` [s]: for how long nobody has danced here, None before
-        anybody has."""
+        """Update; to be called every few hundredths of a second.
+
+        `turn` [s]: time since the last call in which this process ran; `ready`: whether this machine could resume the
+        show; `idle` [s]: time since an engine last ran here, None before the first one.
+        """
         found: list[Action] = []
         for link, there in list(self._links.items()):
             if now - there.heard > LOST:
@@ -241,7 +246,7 @@ class Leadership:
         return found
 
     def take_over(self, why: str) -> list[Action]:
-        """Lead from now on, as somebody commands or the silence does."""
+        """Start to lead, on command or after silence."""
         if self.leads:
             return []
         self.role, self.leader, self.is_deputy, self._other = Role.LEADS, None, False, False
@@ -260,7 +265,7 @@ class Leadership:
         return Pulse(self.term, False, ready=ready, silent=None if self.leader is None else round(self.silent, 3))
 
     def _tell(self, link: str, there: _Link, now: float) -> list[Action]:
-        """Tell a machine that does not know it yet which term rules."""
+        """Send the current term to a machine that has an older one, at most every FRESH."""
         if now - there.told_at < FRESH:
             return []
         there.told_at = now
@@ -278,18 +283,18 @@ class Leadership:
             return []
         deputy = self.deputy
         self._give_way(deputy)
-        words = "nobody danced here for too long: the machine that stands by takes over"
+        words = "no engine ran here for too long: the standby machine takes over"
         return [Dark(words), Send(deputy, HandOver(self.term)), Follow(deputy)]
 
     def _may_take_over(self, ready: bool) -> bool:
-        # a leader in whose place nobody danced when it fell silent was about to hand over
+        # a leader without a running engine before it fell silent was about to hand over
         hung = self.silent > FRESH and self._idle + self.silent > HAND_OVER
         if self.is_deputy and ready:
             return self.silent > SILENCE or hung
         return self.led and not self._other and (self.silent > RETURN or hung)
 
     def _follows(self, link: str, there: _Link, pulse: Pulse, now: float) -> list[Action]:
-        """A sign of the machine that is followed, of one that is to be followed, or of one that has to be told whom."""
+        """Handle a pulse of the followed machine, of one to follow from now on, or of one with an older term."""
         alive = pulse.leads or (pulse.silent is not None and pulse.silent < FRESH)
         found: list[Action] = []
         if link != self.leader:
@@ -306,8 +311,8 @@ class Leadership:
         return found
 
     def _would_follow(self, there: _Link, pulse: Pulse) -> bool:
-        """Whether to follow a machine without being told so by a claim. One that leads the same show in an older term,
-        or began another one in the same, is followed only once it is sure that nobody takes over here."""
+        """Whether to follow a machine without a claim. A leader of the same show in an older term, or of another show
+        in the same term, is followed only if this machine cannot take over itself."""
         known = pulse.term == self.term or pulse.term.epoch > self.term.epoch
         if known and (pulse.leads or there.upstream):
             return True
@@ -324,7 +329,7 @@ class Leadership:
         led = self.leads
         self.term = term
         self._give_way(link)
-        words = f"another machine leads now (epoch {term.epoch}): this one is dark"
+        words = f"another machine leads now (epoch {term.epoch}): this one goes dark"
         return [*([Dark(words)] if led else []), Follow(link)]
 
     def _give_way(self, link: str) -> None:

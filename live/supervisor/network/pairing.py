@@ -1,17 +1,17 @@
-"""Pairing: two machines learn each other's certificate, once, by a phrase that a person types.
+"""Pairing of two machines: they exchange certificates once, confirmed by a phrase that a person types.
 
-The channel is TLS 1.3 to the machine that shows the phrase; nobody knows its certificate yet, so somebody in between
-may have taken its place. Therefore each side proves that it knows the phrase by an HMAC over everything that must be
-the same at both ends: the server's certificate as the *channel* has it (the binding `tls-server-end-point` of RFC
-5929; who is in between has another one, for it has not the key), the client's certificate, names and fresh nonces of
-both. That is the shape of SCRAM (RFC 5802). The client proves first, so who pretends to be the client has one guess
-at each try, and TRIES of them. Who pretends to be the server gets one proof to guess at: the phrase has 48 bits and
-is stretched by scrypt (RFC 7914, 32 MiB and some hundredths of a second a guess), so that 2^47 guesses had to be made
-within the minutes in which the phrase is of any use; it is never used again. A PAKE would need no such bound; no
-library that is kept has one, and our own would be the greater risk.
+The channel is TLS 1.3 to the machine that shows the phrase. Its certificate is not known yet, so an attacker may be in
+between. Therefore each side proves that it knows the phrase by an HMAC over everything that must be the same at both
+ends: the server's certificate as the *channel* has it (the binding `tls-server-end-point` of RFC 5929; an attacker has
+another one, without the server's key), the client's certificate, names and fresh nonces of both. This is the scheme of
+SCRAM (RFC 5802). The client proves first, so a false client has one guess per attempt, and TRIES of them. A false
+server gets one proof to guess at offline: the phrase has 48 bits and is stretched by scrypt (RFC 7914, 32 MiB and some
+hundredths of a second per guess), so 2^47 guesses are needed within the minutes in which the phrase is valid. It is
+never used again. A PAKE would need no such bound, but no maintained library has one, and our own would be the greater
+risk.
 
-The phrase is of proquints (D. S. Wilkerson, "A Proposal for Proquints", arXiv:0901.4016): five letters that can be
-said, 16 bits each.
+The phrase consists of proquints (D. S. Wilkerson, "A Proposal for Proquints", arXiv:0901.4016): five pronounceable
+letters for 16 bits each.
 """
 
 import asyncio
@@ -34,16 +34,16 @@ from live.supervisor.network.tls import tls13
 
 PORT: Final = 9021
 WITHIN: Final = 300.0
-"""Seconds for which a phrase is shown."""
+"""Seconds for which a phrase is valid."""
 ANSWERS_WITHIN: Final = 15.0
 """Seconds that one attempt may take."""
 HANDSHAKE_WITHIN: Final = 5.0
 TRIES: Final = 3
-"""Wrong phrases after which the right one is of no use any more."""
+"""Wrong attempts after which a phrase is no longer valid."""
 AT_ONCE: Final = 8
-"""Attempts at the same time; more are refused at the door."""
+"""Most attempts at the same time; further connections are refused."""
 LONGEST: Final = 8192
-"""Bytes of a line."""
+"""Most bytes of a line."""
 QUINTS: Final = 3
 _CONSONANTS: Final = "bdfghjklmnprstvz"
 _VOWELS: Final = "aiou"
@@ -51,7 +51,7 @@ CONTEXT: Final = b"choreographics-live pairing 1"
 
 
 def new_phrase() -> str:
-    """48 bits as three words that can be said."""
+    """Return a new phrase: 48 bits as three pronounceable words."""
     return "-".join(_quint(secrets.randbits(16)) for _ in range(QUINTS))
 
 
@@ -61,13 +61,13 @@ def _quint(bits: int) -> str:
 
 
 def plain_phrase(typed: str) -> str:
-    """What counts of what was typed: its letters."""
+    """Return the lower-case letters of a typed phrase; nothing else counts."""
     return "".join(mark for mark in typed.lower() if mark.isalpha())
 
 
 @dataclass(frozen=True, slots=True)
 class Transcript:
-    """What has to be the same at both ends."""
+    """Values that must be the same at both ends."""
 
     server: bytes
     """Certificates, DER."""
@@ -78,7 +78,7 @@ class Transcript:
     client_nonce: bytes
 
     def digest(self) -> bytes:
-        """All of it, each part by its own hash, so that no part runs into the next."""
+        """Return a hash over all parts; each part is hashed first, so that the boundaries count."""
         parts = (
             CONTEXT, self.server, self.client, self.server_name.encode(), self.client_name.encode(), self.server_nonce,
             self.client_nonce,
@@ -86,33 +86,33 @@ class Transcript:
         return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).digest()
 
     def proofs(self, phrase: str) -> tuple[bytes, bytes]:
-        """The client's and the server's, for who knows the phrase. Takes some hundredths of a second."""
+        """Return the proofs of client and server that they know the phrase. Takes some hundredths of a second."""
         digest = self.digest()
         key = Scrypt(salt=digest, length=32, n=1 << 15, r=8, p=1).derive(plain_phrase(phrase).encode())
         return tuple(hmac.digest(key, side + digest, "sha256") for side in (b"client", b"server"))  # type: ignore[return-value]
 
 
 class Refused(Exception):
-    """What came is not of this protocol."""
+    """A received message violates the protocol."""
 
 
 @dataclass
 class Shown:
-    """The side that shows the phrase. `run` ends with the machine that was paired; PersonError if there is none."""
+    """The side that shows the phrase. `run` returns the paired machine; PersonError if there is none."""
 
     identity: Identity
     pairings: Pairings
     phrase: str
     name: str = field(default_factory=socket.gethostname)
     listening: Callable[[int], None] = lambda port: None
-    """Told the port once it is open."""
+    """Called with the port once it is open."""
     wrong: int = 0
     """Wrong phrases so far."""
     strangers: int = 0
-    """Attempts that were no attempt to pair."""
+    """Connections that did not follow the protocol."""
 
     async def run(self, host: str | None, port: int, *, within: float = WITHIN) -> Peer:
-        """Wait for the other machine at `host` (None: all addresses of this machine)."""
+        """Wait for the other machine on the addresses of `host` (None: all addresses of this machine)."""
         self._found: asyncio.Future[Peer] = asyncio.get_running_loop().create_future()
         self._now, self._scrypt = 0, asyncio.Lock()
         context = tls13(ssl.PROTOCOL_TLS_SERVER)
@@ -123,12 +123,12 @@ class Shown:
                 ssl_shutdown_timeout=1.0, limit=LONGEST, backlog=AT_ONCE,
             )  # fmt: skip
         except OSError as error:
-            raise PersonError(f"nobody can pair at port {port}: {error.strerror}", "choose another port") from None
+            raise PersonError(f"cannot listen for pairing at port {port}: {error.strerror}", "choose another port") from None
         self.listening(server.sockets[0].getsockname()[1])
         try:
             return await asyncio.wait_for(self._found, within)
         except TimeoutError:
-            raise PersonError("no machine was paired: nobody typed the phrase in time", "live pair") from None
+            raise PersonError("no machine was paired: the phrase was not typed in time", "live pair") from None
         finally:
             server.close()
 
@@ -173,7 +173,7 @@ class Shown:
                 await _say(writer, wrong=TRIES - self.wrong)
                 if self.wrong >= TRIES:
                     raise PersonError(
-                        f"{TRIES} wrong phrases: this one is of no use any more", "live pair shows another one"
+                        f"{TRIES} wrong phrases: this one is no longer valid", "live pair shows another one"
                     )
                 return
             if certificate == self.identity.certificate:
@@ -187,10 +187,10 @@ class Shown:
 async def pair_with(
     identity: Identity, pairings: Pairings, host: str, port: int, phrase: str, *, name: str | None = None
 ) -> Peer:
-    """The side where the phrase was typed; the machine that was paired. PersonError if that cannot be."""
+    """The side where the phrase is typed; return the paired machine. PersonError if pairing fails."""
     name = name or socket.gethostname()
     context = tls13(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # who it is the phrase will show
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # the phrase authenticates the server
     try:
         async with asyncio.timeout(2 * ANSWERS_WITHIN):
             reader, writer = await asyncio.open_connection(
@@ -204,10 +204,10 @@ async def pair_with(
                     await writer.wait_closed()
     except (OSError, TimeoutError) as error:
         why = getattr(error, "strerror", None) or "no answer"
-        raise PersonError(f"no machine that can be paired with at {host}:{port}: {why}", "live pair there") from None
+        raise PersonError(f"no machine waits for pairing at {host}:{port}: {why}", "live pair there") from None
     except Refused:
         raise PersonError(
-            f"what answers at {host}:{port} does not wait to be paired, or somebody is between the two machines"
+            f"the answer from {host}:{port} is not from a machine that waits for pairing, or the connection is intercepted"
         ) from None
 
 
@@ -231,12 +231,12 @@ async def _ask(
     answer = await _hear(reader)
     if "wrong" in answer:
         raise PersonError(
-            "the phrase is wrong, or somebody is between the two machines; nothing was paired",
+            "the phrase is wrong, or the connection is intercepted; nothing was paired",
             "look at the other machine, and type its phrase once more",
         )
     if not hmac.compare_digest(server, _bytes(answer, "proof", 32)):
         raise PersonError(
-            "the other machine does not know its own phrase: somebody is between the two; nothing was paired"
+            "the other machine does not know its own phrase: the connection is intercepted; nothing was paired"
         )
     try:
         return pairings.add(there, certificate)
@@ -247,7 +247,7 @@ async def _ask(
 def _signed(peer: Peer, signature: bytes, data: bytes) -> bool:
     try:
         return peer.signed(signature, data)
-    except ValueError:  # no certificate
+    except ValueError:  # not a certificate
         return False
 
 
@@ -259,7 +259,7 @@ async def _say(writer: asyncio.StreamWriter, **values: Any) -> None:
 async def _hear(reader: asyncio.StreamReader) -> dict[str, Any]:
     try:
         told = json.loads(await reader.readline())
-    except (ValueError, RecursionError):  # too long, no JSON, or nested without end
+    except (ValueError, RecursionError):  # too long, no JSON, or nested too deeply
         raise Refused from None
     if not isinstance(told, dict):
         raise Refused

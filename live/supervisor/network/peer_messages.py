@@ -1,7 +1,7 @@
-"""What machines say to one another beside the show, as lines; read strictly, for a peer may be broken, too.
+"""Messages between machines other than the show's own lines, as JSON lines that are parsed strictly.
 
-A claim is signed by who sends it, over a challenge that its hearer made up for this connection and a number that only
-goes up: what was signed for another machine, another connection or before is worth nothing.
+A claim is signed by its sender, over a challenge that the receiver made for this connection and an increasing number.
+So a claim made for another machine, for another connection, or earlier is worthless.
 """
 
 import json
@@ -21,17 +21,17 @@ HIGHEST: Final = 1 << 40
 
 @dataclass(frozen=True, slots=True)
 class Hello:
-    """First on every connection, from both sides."""
+    """First message on every connection, from both sides."""
 
     version: str
     me: str
-    """Who says it, as no other process."""
+    """Unique name of the sending process."""
     challenge: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class SignedClaim:
-    """A claim as it came; it counts once `verified`."""
+    """A claim as received; it counts only once `verified`."""
 
     term: Term
     number: int
@@ -40,7 +40,7 @@ class SignedClaim:
 
 @dataclass(frozen=True, slots=True)
 class GiveShow:
-    """Let me follow the show, from line `number` of that stream on, if you still have that."""
+    """Request to follow the show from line `number` of that stream, if it is still available."""
 
     stream: str
     number: int
@@ -48,7 +48,8 @@ class GiveShow:
 
 @dataclass(frozen=True, slots=True)
 class ShowComes:
-    """What follows is of that stream, from `number` on; `anew`: from its beginning, as far as needed."""
+    """Announces that the following lines are of that stream, from `number`; `anew`: from its start, as far as needed.
+    """
 
     stream: str
     number: int
@@ -57,7 +58,7 @@ class ShowComes:
 
 @dataclass(frozen=True, slots=True)
 class Cannot:
-    """I cannot stand by."""
+    """The sender cannot stand by."""
 
     why: str
 
@@ -66,17 +67,17 @@ Said = Hello | Pulse | SignedClaim | HandOver | GiveShow | ShowComes | Cannot
 
 
 class Senseless(ValueError):
-    """A line that is none of these."""
+    """A line that is not a valid message."""
 
 
 def signed_claim(identity: Identity, hearer: Peer, challenge: bytes, number: int, claim: Claim) -> str:
-    """A claim's line, for `hearer` alone."""
+    """Return the line of a claim, valid for `hearer` only."""
     data = _signed_data(challenge, identity.fingerprint, hearer.fingerprint, number, claim.term)
     return _line("claim", **_term(claim.term), number=number, signature=identity.sign(data).hex())
 
 
 def verified(claim: SignedClaim, sender: Peer, hearer: Identity, challenge: bytes, after: int) -> Claim | None:
-    """The claim if `sender` signed it for this connection, and it is a newer one than number `after`."""
+    """Return the claim if `sender` signed it for this connection and its number is above `after`, else None."""
     data = _signed_data(challenge, sender.fingerprint, hearer.fingerprint, claim.number, claim.term)
     if claim.number <= after or not sender.signed(claim.signature, data):
         return None
@@ -84,7 +85,7 @@ def verified(claim: SignedClaim, sender: Peer, hearer: Identity, challenge: byte
 
 
 def line_of(message: Hello | Pulse | HandOver | GiveShow | ShowComes | Cannot) -> str:
-    """A message as a line."""
+    """Return a message as a line."""
     match message:
         case Hello():
             return _line("hello", version=message.version, me=message.me, challenge=message.challenge.hex())
@@ -104,7 +105,7 @@ def line_of(message: Hello | Pulse | HandOver | GiveShow | ShowComes | Cannot) -
 
 
 def said(told: dict[str, Any]) -> Said:
-    """What a line that begins with `alive` says; Senseless if that is nothing."""
+    """Parse a line that begins with `alive`; Senseless if it is not valid."""
     match told.get("alive"):
         case "hello":
             return Hello(_text(told, "version"), _text(told, "me"), _hex(told, "challenge", CHALLENGE))
@@ -127,12 +128,12 @@ def said(told: dict[str, Any]) -> Said:
 
 
 def message_of(told: Said) -> Message | None:
-    """What of it concerns who leads, without a signature."""
+    """Return the message if it concerns leadership and needs no signature, else None."""
     return told if isinstance(told, Pulse | HandOver) else None
 
 
 def read_line(line: str) -> dict[str, Any]:
-    """A line's JSON object; nothing if it is none."""
+    """Return a line's JSON object; empty if it is none."""
     try:
         told = json.loads(line)
     except (ValueError, RecursionError):

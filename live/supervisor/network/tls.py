@@ -1,11 +1,10 @@
-"""TLS between machines that are paired: TLS 1.3 (RFC 8446), both sides with certificates that the other one has
-pinned.
+"""TLS 1.3 (RFC 8446) between paired machines, with pinned certificates on both sides.
 
-OpenSSL trusts the pinned certificates and none else, and after the handshake the peer's is looked up by its
-fingerprint: before that no byte of a peer's is read as more than TLS. A certificate's time is not looked at here: a
-show shall not end because a date has passed. Who takes part is decided by the pin; that it has expired is told to the
-person. A process of the same user on the same machine has the same certificate, and that one is pinned, too: so that
-there is one way only, and other users of the machine are strangers on loopback as well.
+OpenSSL trusts only the pinned certificates. After the handshake the peer's certificate is looked up by its fingerprint;
+before that nothing but TLS is parsed. Expiry is not checked here, because a show must not end on a date: the pin
+decides, and the person is told about expired certificates. A process of the same user on the same machine has the same
+certificate, which is pinned, too. So there is one mechanism for all, and other users of the machine have no access over
+loopback.
 """
 
 import socket
@@ -16,15 +15,15 @@ from live.supervisor.line_channel import Wire
 from live.supervisor.network.identity import Identity, Pairings, Peer
 
 NO_CHECK_TIME: Final = 0x200000
-"""X509_V_FLAG_NO_CHECK_TIME of OpenSSL, which Python has no name for."""
+"""X509_V_FLAG_NO_CHECK_TIME of OpenSSL, for which Python has no name."""
 HANDSHAKE_WITHIN: Final = 5.0
-"""Seconds that a handshake may take."""
+"""Seconds allowed for a handshake."""
 MOST_AT_ONCE: Final = 4 * 1024 * 1024
-"""Bytes that are read of one peer before others have their turn."""
+"""Bytes read from one peer before others are served."""
 
 
 class Trust:
-    """Who may take part, as contexts of `ssl`; read anew when a machine was paired or forgotten meanwhile."""
+    """Paired machines, as contexts of `ssl`; reloaded when a pairing is added or removed."""
 
     def __init__(self, identity: Identity, pairings: Pairings) -> None:
         """PersonError for pairings that cannot be read."""
@@ -35,13 +34,14 @@ class Trust:
         self._seen = self._pairings.changed()
         mine = self._identity.as_peer()
         self.peers: dict[str, Peer] = {peer.fingerprint: peer for peer in (mine, *self._pairings.read())}
-        """By fingerprint; this machine's own is among them."""
+        """Peers by fingerprint, this machine included."""
         self._server, self._client = (
             self._context(kind) for kind in (ssl.PROTOCOL_TLS_SERVER, ssl.PROTOCOL_TLS_CLIENT)
         )
 
     def look(self) -> bool:
-        """Whether pairings have changed, and were read anew. What cannot be read leaves everything as it was."""
+        """Reload the pairings if they have changed; return whether they were reloaded. If they cannot be read, nothing
+        changes."""
         if self._pairings.changed() == self._seen:
             return False
         try:
@@ -51,13 +51,13 @@ class Trust:
         return True
 
     def of(self, sock: ssl.SSLSocket) -> Peer | None:
-        """Who is at the other end of a stream; None: nobody who may take part."""
+        """Return the peer at the other end of a stream; None if it is not paired."""
         found = sock.getpeercert(binary_form=True)
         peer = None if found is None else Peer("", found)
         return None if peer is None else self.peers.get(peer.fingerprint)
 
     def wrap(self, sock: socket.socket, *, server: bool) -> ssl.SSLSocket:
-        """Begin TLS on a connected socket, which does not wait from now on."""
+        """Start TLS on a connected socket and make it non-blocking."""
         sock.setblocking(False)
         context = self._server if server else self._client
         return context.wrap_socket(sock, server_side=server, do_handshake_on_connect=False)
@@ -73,7 +73,7 @@ class Trust:
 
 
 def tls13(kind: int) -> ssl.SSLContext:
-    """A context of TLS 1.3 alone, without tickets: every connection shows its certificates."""
+    """Return a context for TLS 1.3 only, without tickets, so that every connection shows its certificates."""
     context = ssl.SSLContext(kind)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
     if kind == ssl.PROTOCOL_TLS_SERVER:
@@ -82,17 +82,17 @@ def tls13(kind: int) -> ssl.SSLContext:
 
 
 class Handshake:
-    """One that is under way; never waits. Thread: one."""
+    """TLS handshake in progress; never blocks. Thread: one."""
 
     def __init__(self, sock: ssl.SSLSocket, *, until: float) -> None:
-        """`until` [s, monotonic]: it has failed by then."""
+        """`until` [s, monotonic]: deadline."""
         self.socket = sock
         self.why = ""
         """Why it failed."""
         self._until = until
 
     def done(self, now: float) -> bool | None:
-        """Whether it succeeded; None: not yet known."""
+        """Continue; return whether it succeeded, or None while it is in progress."""
         try:
             self.socket.do_handshake()
             return True
@@ -101,7 +101,7 @@ class Handshake:
                 return None
             self.why = "no answer"
         except ssl.SSLCertVerificationError:
-            self.why = "a certificate that is not paired with"
+            self.why = "its certificate is not paired"
         except (OSError, ValueError) as error:
             self.why = str(getattr(error, "reason", None) or error)
         self.socket.close()
@@ -109,16 +109,16 @@ class Handshake:
 
 
 class SecureWire(Wire):
-    """A wire to a peer that may take part."""
+    """Line channel to a paired peer."""
 
     socket: ssl.SSLSocket
 
     def __init__(self, sock: ssl.SSLSocket, peer: Peer, *, backlog: int, longest: int) -> None:
-        """`sock`: its handshake is done."""
+        """`sock`: a TLS socket after its handshake."""
         super().__init__(sock, backlog=backlog, longest=longest)
         self.peer = peer
         self.refused = False
-        """Whether the other side said that this machine may not take part."""
+        """Whether the other side rejected this machine."""
 
     def _receive(self, got: int) -> bytes | None:
         if got >= MOST_AT_ONCE:

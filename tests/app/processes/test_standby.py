@@ -22,7 +22,7 @@ def test_other_steps_than_the_leader_s_are_named_and_end_it_as_a_person_s_error(
     following = Following(loaded)
     following.take(json.dumps(header | {"steps_hash": "0" * 16}))
     following.take(json.dumps({"tick": 3}))
-    with pytest.raises(PersonError, match="cannot be danced here") as raised:
+    with pytest.raises(PersonError, match="cannot run here") as raised:
         follow(following)
     assert "same steps" in str(raised.value.remedy)
 

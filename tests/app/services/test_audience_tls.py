@@ -99,7 +99,7 @@ def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_i
                 one.close()
 
     asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
-    assert notes == [f"note: audience: {stage.part.link}, this machine alone"]
+    assert notes == [f"note: audience: {stage.part.link}, on this machine only"]
 
 
 def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play_on(tmp_path, notes):
@@ -129,7 +129,7 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
     told = identity.doubt(NOW, "stage.local")
     assert any("expired on" in words and "renew" in words for words in told)
     assert any(f"chmod 600 {key}" in words for words in told)
-    assert any("is for *.play.example, 127.0.0.1, and phones are given stage.local" in words for words in told)
+    assert any("is for *.play.example, 127.0.0.1, but phones are given stage.local" in words for words in told)
     assert not [words for words in identity.doubt(NOW, "hall.play.example") if "phones are given" in words]
     assert [words for words in identity.doubt(NOW, "a.b.play.example") if "phones are given" in words]
     assert [words for words in identity.doubt(NOW - 90 * DAY, "127.0.0.1") if "valid from" in words]
@@ -152,7 +152,7 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
     for each in (part.before_frame, part.frame, part.stop):
         each()
     assert part.status()["at"]
-    assert [words for words in notes if "the show goes on without its audience" in words]
+    assert [words for words in notes if "the show runs without its audience" in words]
 
 
 def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
@@ -179,9 +179,9 @@ def test_what_is_wrong_with_the_files_is_told_with_its_remedy(tmp_path):
     broken.write_bytes(b"-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n")
     os.mkfifo(tmp_path / "pipe")
     for files, words in (
-        ((certificate, other_key), "is not that of the certificate"),
-        ((key, certificate), "the certificate comes first"),
-        ((certificate, locked), "locked by a password .*openssl pkey"),
+        ((certificate, other_key), "does not belong to the certificate"),
+        ((key, certificate), "give the certificate first"),
+        ((certificate, locked), "encrypted with a password .*openssl pkey"),
         ((rubbish, key), "holds no certificate in PEM"),
         ((broken, key), "holds no certificate in PEM"),
         ((certificate, rubbish), "holds no key in PEM"),
@@ -189,7 +189,7 @@ def test_what_is_wrong_with_the_files_is_told_with_its_remedy(tmp_path):
         ((tmp_path / "none.pem", key), "cannot read .*none.pem"),
         ((tmp_path, key), "cannot read"),
         ((tmp_path / "pipe", key), "cannot read"),
-        ((tmp_path / "a\0b", key), "no file can be called so"),
+        ((tmp_path / "a\0b", key), "not a valid file name"),
     ):
         with pytest.raises(PersonError, match=words):
             read_identity(*files)

@@ -161,7 +161,7 @@ def test_a_file_that_cannot_be_kept_is_said_and_the_show_goes_on(stage: Stage) -
     learned_path(stage.path).write_text("[[midi.learned]]\nnote = 400\n")
     stage.learn("/dance/blackout")
     stage.play((0x90, 36, 1))
-    assert "NOT KEPT" in stage.midi.said()
+    assert "NOT SAVED" in stage.midi.said()
     assert "line 2" in stage.midi.said()
     assert [type(event) for event in stage.play((0x90, 36, 1))] == [events.Blackout]
     with pytest.raises(PatchError, match=r"mine\.midi\.toml, line 2"):

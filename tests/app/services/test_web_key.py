@@ -37,7 +37,7 @@ def test_without_a_page_there_is_no_key(settings):
     assert web(None).where is None
     assert web(None, key="a-key-of-my-own-1234").key == ""
     assert not settings.exists()
-    with pytest.raises(PersonError, match="no page without --web"):
+    with pytest.raises(PersonError, match="no web page without --web"):
         web(None, new_key=True)
 
 
@@ -65,9 +65,9 @@ def test_weak_and_strange_keys_are_refused_and_not_repeated(key):
 def test_a_file_that_others_may_read_is_refused(mode):
     kept_key()
     key_file().chmod(mode)
-    with pytest.raises(PersonError, match="nobody else may read") as error:
+    with pytest.raises(PersonError, match="readable by you only") as error:
         kept_key()
-    assert error.value.remedy == "--new-web-key makes another one"
+    assert error.value.remedy == "--new-web-key generates a new one"
     assert kept_key(fresh=True) == kept_key()
     assert stat.S_IMODE(key_file().stat().st_mode) == 0o600
 

@@ -70,7 +70,7 @@ def test_noise_echoes_polarity_drift_and_late_callbacks_change_it_by_less_than_a
 
 
 def test_silence_is_refused_with_a_remedy() -> None:
-    with pytest.raises(PersonError, match="nothing at all was heard") as caught:
+    with pytest.raises(PersonError, match="the recording is silent") as caught:
         measure(TRAIN, room(0.05, gain=0.0))
     assert caught.value.remedy
 

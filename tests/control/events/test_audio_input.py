@@ -86,7 +86,7 @@ def test_beats_lie_on_the_clicks_at_any_rate_and_block(sound: FakeSound, rate: f
 
 def test_another_tracker_than_was_asked_for_is_told(sound: FakeSound) -> None:
     sound.plug(sound.devices[0], sample_rate=11_025.0)  # the network needs more
-    assert "aubio listens instead" in Desk(sound).input.facts()["problem"]
+    assert "aubio is used instead" in Desk(sound).input.facts()["problem"]
 
 
 def test_one_channel_of_32_is_heard(sound: FakeSound) -> None:
@@ -236,7 +236,7 @@ def test_an_analysis_that_cannot_even_be_begun_leaves_the_source_lost(sound: Fak
     desk = Desk(sound, analysis=make)
     desk.feed(music(48_000.0), 1.0)
     assert desk.changes == ["lost"]
-    assert desk.input.problem == "the analysis cannot be begun: MemoryError: no room"
+    assert desk.input.problem == "the analysis cannot be started: MemoryError: no room"
     sound.wait(5.0, desk.turn)
     assert desk.input.problem == "no room"  # asked again now and then
 

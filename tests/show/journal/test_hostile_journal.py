@@ -55,7 +55,7 @@ def test_a_damaged_line_about_steps_stops_no_replay(tmp_path, tick):
 
 @pytest.mark.parametrize("wrong", [{"seed": "x"}, {"seed": None}, {"tempo": []}])
 def test_a_header_with_no_number_for_seed_or_tempo_is_refused(wrong):
-    with pytest.raises(ReplayError, match="does not hold a whole show"):
+    with pytest.raises(ReplayError, match="does not hold a complete show"):
         loaded_of(HEAD | {"patch": parse_patch(PATCH, "a.toml").written()} | wrong, [])
 
 

@@ -254,7 +254,7 @@ def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path
     path.write_text("\n".join([*lines, '{"tick":30,"measure":3,"hash":"ef","lost":4}']) + "\n")
     found = list(read_journal(path).usable())
     assert [line.measure for line in found] == [1, None, 2, 3]
-    assert "line 3: before it lines could not be written, 4 by then" in (found[1].damaged or "")
+    assert "line 3: lines before it could not be written, 4 in total" in (found[1].damaged or "")
 
 
 @pytest.mark.long

@@ -107,7 +107,7 @@ def test_an_event_without_its_graph_is_refused(patch):
     night = Night(patch)
     event = events.StepsAdded(time=0.0, source="osc", clips="nothing | here | as made", library="00")
     assert not night.show.apply(event)
-    assert "not there" in night.show.refusals.words
+    assert "do not exist" in night.show.refusals.words
 
 
 def test_the_thread_starts_and_stops(patch):

@@ -79,7 +79,7 @@ def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, 
     row = next(row for row in rows_of(tree, "show"))
     row[2 + tree[0][row[0]][2].index("graph")] = [path]
     words = refused(sealed(joined(tree, content), opened(taken[1])[1]), fresh)
-    assert "nothing that there is here" in words
+    assert "names no known object" in words
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, 
         (["arrive", [], []], "there is no kind"),
         ([["show"], [], []], "there is no kind"),
         (["timeline", "tempo", 1], "there is no kind"),
-        ("show", "kinds are none"),
+        ("show", "table of kinds is invalid"),
     ],
 )
 def test_a_kind_is_one_of_the_list_with_its_fields(taken, fresh, said, words):
@@ -142,7 +142,7 @@ def test_a_field_of_another_type_an_index_too_large_and_another_shape_are_named(
     place = sum(tree[2][: arrays.index(name)])
     content = content[:place] + b"\xff\xff\xff\x7f" + content[place + 4 :]
     words = refused(sealed(joined(tree, content), facts), fresh)
-    assert "danced.node finds node" in words
+    assert "danced.node holds node indices" in words
 
 
 def test_what_says_that_it_is_large_asks_for_no_memory(taken, fresh):
