@@ -15,7 +15,7 @@ from live.agents.evolutions.paths import straight
 from live.agents.evolutions.slot_assignment import assign
 from live.agents.formations.formation import formation_of
 from live.agents.formations.formation_spec import spec_from_table
-from live.cli.pictures.formation_picture import draw_formation
+from live.app.pictures.formation_picture import draw_formation
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 

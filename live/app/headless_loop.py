@@ -172,7 +172,7 @@ def _headless(session: Session, console: Console) -> None:
 def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
     from pathlib import Path
 
-    from live.app.offline_film import film_show
+    from live.app.offline.film import film_show
 
     seconds = wish.seconds or FILM_SECONDS
     path = wish.record or Path(FILM_NAME)

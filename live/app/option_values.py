@@ -7,6 +7,8 @@ from pathlib import Path
 from live.base.errors import PersonError
 
 LARGEST_PICTURE = 8192
+EXPORT_ENDINGS = (".bvh", ".glb", ".vrma")
+"""Motion files that can be written."""
 
 
 def parse_size(text: str) -> tuple[int, int]:

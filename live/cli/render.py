@@ -45,7 +45,7 @@ def render(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.offline_film import film_name, parse_rate
+    from live.app.offline.film import film_name, parse_rate
     from live.app.option_values import parse_number, parse_size, writable_file
     from live.base.errors import PersonError
 
@@ -58,7 +58,7 @@ def render(
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
     from live.app.launch_options import Wish
-    from live.app.offline_film import film_show
+    from live.app.offline.film import film_show
     from live.app.session_audio import choose_sound
 
     wish = Wish(

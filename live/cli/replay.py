@@ -39,7 +39,7 @@ def replay(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.offline_film import film_name, parse_rate
+    from live.app.offline.film import film_name, parse_rate
     from live.app.option_values import parse_size
     from live.base.errors import PersonError
 
@@ -63,7 +63,7 @@ def replay(
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
     if render is not None:
-        from live.app.replay_film import film_replay
+        from live.app.offline.replay_film import film_replay
 
         console = Console(stderr=True, highlight=False)
         result = film_replay(

@@ -39,8 +39,8 @@ def simulate(
     from live.agents.scenarios.metrics import measure
     from live.agents.scenarios.run import simulate as run
     from live.agents.scenarios.run import ticks_in
+    from live.app.pictures.simulate_svg import ways_picture
     from live.app.whole_file import write_whole
-    from live.cli.pictures.simulate_svg import ways_picture
 
     wanted = read(scenario, seed)
     samples = ticks_in(wanted.duration) + 1

@@ -56,9 +56,7 @@ def soak(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import parse_number, writable_file
-    from live.base.errors import PersonError
-    from live.cli.soak_run import (
+    from live.app.offline.soak_run import (
         Wanted,
         minimise_journal,
         patches_of,
@@ -68,6 +66,8 @@ def soak(
         tell_lines,
         tell_run,
     )
+    from live.app.option_values import parse_number, writable_file
+    from live.base.errors import PersonError
     from live.rehearse.soak_test import Plan
 
     parse_number(hours, "--hours", 0.001, 1000.0)

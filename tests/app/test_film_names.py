@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from live.app.offline_film import film_name, parse_rate
+from live.app.offline.film import film_name, parse_rate
 from live.base.errors import PersonError
 
 

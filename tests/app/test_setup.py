@@ -314,7 +314,7 @@ def test_changed_or_lost_kernels_are_warmed_again(debian: Machine) -> None:
     _make_root(debian)
     debian.run("play")
     debian.log()
-    (debian.home / "show" / "live" / "base" / "kernels.py").write_text("changed")
+    (debian.home / "show" / "live" / "base" / "scalar_kernels.py").write_text("changed")
     debian.run("play")
     assert debian.log()[0] == "python -m compileall -q live"
     shutil.rmtree(debian.home / "kernels")

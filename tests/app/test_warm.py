@@ -15,7 +15,8 @@ FEW = """
 from pathlib import Path
 from live.base import jit
 from live.cli.main import main
-jit.kernel_files = lambda: [Path(jit.__file__).parents[1] / name / "kernels.py" for name in ("base", "motion")]
+files = ("base/scalar_kernels.py", "motion/yaw_kernels.py")
+jit.kernel_files = lambda: [Path(jit.__file__).parents[1] / name for name in files]
 main()
 """
 """The command in a project whose only kernels are those of two files, because to compile all takes minutes."""
@@ -35,7 +36,9 @@ def warm(cache: Path, *options: str) -> "subprocess.CompletedProcess[str]":
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> None:
     package = Path(jit.__file__).parents[1]
-    count = sum((package / name / "kernels.py").read_text().count("\n@kernel(") for name in ("base", "motion"))
+    count = sum(
+        (package / name).read_text().count("\n@kernel(") for name in ("base/scalar_kernels.py", "motion/yaw_kernels.py")
+    )
     stamp = tmp_path / "stamp"
     first = warm(tmp_path / "cache", "--stamp", str(stamp))
     assert f"{count}/{count}" in first.stderr  # the bar reached its end

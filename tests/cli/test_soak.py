@@ -8,7 +8,7 @@ import wave
 
 import pytest
 
-from live.cli.soak_run import EACH_S, Figures
+from live.app.offline.soak_run import EACH_S, Figures
 from tests.cli.command import run_live
 
 

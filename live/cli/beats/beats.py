@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from live.cli.beats.beats_report import Ear, Seeds, TimelineFile
+    from live.app.offline.beats_report import Ear, Seeds, TimelineFile
 
 Form = Literal["table", "json", "csv"]
 STREAM_RATE = 44_100
@@ -43,9 +43,9 @@ def beats(
     With --stdin a line `B time emitted beat` is printed for each beat, mostly a little before it comes; `R time
     emitted` takes one back. A file gives a table of the beats, or JSON, CSV, or a sound to check them by ear.
     """
+    from live.app.offline.beats_report import Ear, Seeds
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
-    from live.cli.beats.beats_report import Ear, Seeds
 
     parse_number(tap_bpm, "--tap-bpm", 40, 240)
     parse_number(at, "--at", 0, 36_000)
@@ -68,7 +68,7 @@ def beats(
 
 
 def _timeline_file(path: Path) -> "TimelineFile":
-    from live.cli.beats.beats_report import TimelineFile
+    from live.app.offline.beats_report import TimelineFile
 
     return TimelineFile(path)
 
@@ -77,8 +77,8 @@ def _stream(ear: "Ear") -> None:
     """Blocks from standard input until it ends; each line is flushed. PersonError where they cannot be written."""
     import numpy as np
 
+    from live.app.offline.beats_report import lines_of
     from live.base.errors import PersonError
-    from live.cli.beats.beats_report import lines_of
 
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
@@ -103,8 +103,8 @@ def _file(
     click: Path | None,
     timeline: "TimelineFile | None",
 ) -> None:
+    from live.app.offline.beats_report import Ear, as_csv, as_json, hear_file, print_table, write_click
     from live.base.errors import PersonError
-    from live.cli.beats.beats_report import Ear, as_csv, as_json, hear_file, print_table, write_click
     from live.control.audio.music_file import MusicFileError, read_music
 
     try:

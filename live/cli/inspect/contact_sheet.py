@@ -8,8 +8,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from live.app.offline.sheet_moments import Taken
     from live.base.stage_snapshot import StageView
-    from live.cli.inspect.sheet_moments import Taken
     from live.show.loader import LoadedShow
     from live.show.show import Show
 
@@ -51,8 +51,8 @@ def contact_sheet(
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
     from live.app.launch_options import Wish
-    from live.app.offline_film import canvas
-    from live.cli.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
+    from live.app.offline.film import canvas
+    from live.app.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
 
     size = (width, round(width * 9 / 16))
     wish = Wish(patch=show, seed=seed, size=size)
@@ -86,8 +86,8 @@ def contact_sheet(
 def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
     from dataclasses import replace
 
+    from live.app.offline.sheet_moments import measures_of, moments_of_journal
     from live.base.errors import PersonError
-    from live.cli.inspect.sheet_moments import measures_of, moments_of_journal
     from live.show.journal.journal_reader import JournalError, read_journal
     from live.show.journal.replay import ReplayError, Replaying, loaded_by, start_before
 
@@ -105,9 +105,9 @@ def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tu
 def _of_patch(
     wish: Any, seconds: float | None, every: int | None
 ) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
+    from live.app.offline.sheet_moments import moments_of_patch
     from live.app.session_audio import choose_sound, start_tempo
     from live.base.errors import PersonError
-    from live.cli.inspect.sheet_moments import moments_of_patch
 
     loaded = wish.load()
     sound = choose_sound(wish, loaded)

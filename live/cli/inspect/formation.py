@@ -176,9 +176,9 @@ def _write_svg(
 ) -> None:
     from live.agents.evolutions.paths import straight
     from live.app.option_values import writable_file
+    from live.app.pictures.formation_picture import draw_formation
     from live.app.whole_file import write_whole
     from live.base.errors import PersonError
-    from live.cli.pictures.formation_picture import draw_formation
 
     if to.suffix.lower() != ".svg":
         raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'formation'}.svg")

@@ -47,10 +47,10 @@ def show(
 
     from rich.console import Console
 
+    from live.app.pictures.journal_picture import draw_journal, size_of
+    from live.app.pictures.reach_picture import PngCanvas, SvgCanvas
     from live.app.whole_file import write_whole
     from live.base.errors import PersonError
-    from live.cli.pictures.journal_picture import draw_journal, size_of
-    from live.cli.pictures.reach_picture import PngCanvas, SvgCanvas
     from live.show.journal.journal_reader import survey
 
     if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
@@ -206,7 +206,7 @@ def export(
         write_table(recorded, out)
         return
     from live.app.kernel_warmup import warm_kernels
-    from live.cli.inspect.journal_midi import midi_of
+    from live.app.offline.journal_midi import midi_of
     from live.show.journal.replay import ReplayError, first_start, loaded_by
 
     warm_kernels(Console(stderr=True))

@@ -75,9 +75,9 @@ def _marked(words: str, kind: str) -> str:
 
 def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
     from live.app.option_values import writable_file
+    from live.app.pictures.score_picture import score_picture
     from live.app.whole_file import write_whole
     from live.base.errors import PersonError
-    from live.cli.pictures.score_picture import score_picture
     from live.show.loader import scene_of
     from live.show.patch.patch import Patch
 

@@ -48,7 +48,7 @@ def character(
         for line in _told(loaded):
             console.print(line, soft_wrap=True, markup=False)
     if out is not None:
-        from live.cli.pictures.character_picture import draw_character
+        from live.app.pictures.character_picture import draw_character
 
         draw_character(said, out, step, parse_size(size))
         if not as_json:

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from live.motion.formats.source_motion import UpAxis
     from live.motion.step_clip import StepClip
 
-ENDINGS = (".bvh", ".glb", ".vrma")
 KNOWN_STEPS_SHOWN = 12
 
 
@@ -85,11 +84,11 @@ def _parse_rate(text: str) -> float | None:
 
 
 def _check_target(to: Path, source: str, *, force: bool) -> None:
-    from live.app.option_values import writable_file
+    from live.app.option_values import EXPORT_ENDINGS, writable_file
     from live.base.errors import PersonError
 
-    if to.suffix.lower() not in ENDINGS:
-        raise PersonError(f"--to {to}: a name that ends in {', '.join(ENDINGS)} expected", f"--to {to.stem}.glb")
+    if to.suffix.lower() not in EXPORT_ENDINGS:
+        raise PersonError(f"--to {to}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--to {to.stem}.glb")
     writable_file(to, "--to")
     if not to.exists():
         return
@@ -170,8 +169,8 @@ def _step(name: str, hertz: float | None, library: Path | None, variation: int |
 def _variations(name: str, library: Path | None) -> "list[StepClip]":
     import difflib
 
+    from live.app.offline.step_listing import folders, named_steps
     from live.base.errors import PersonError
-    from live.cli.steps.add import folders, named_steps
 
     clips = [clip for step in named_steps(library) for clip in step.clips]
     found = [clip for clip in clips if clip.step.casefold() == name.strip().casefold()]

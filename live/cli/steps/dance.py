@@ -85,10 +85,10 @@ def dance(
     as_json: Annotated[bool, typer.Option("--json", help="Print the dance and what is missing as JSON.")] = False,
 ) -> None:
     """Dance a sequence of steps. Where it cannot be danced as it is, the nearest dance, and what is missing for it."""
+    from live.app.offline.dance_plan import Asked, make_plan, put_together
+    from live.app.offline.dance_report import check_targets, print_dance, write_motion, write_report
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
-    from live.cli.steps.dance_plan import Asked, make_plan, put_together
-    from live.cli.steps.dance_report import check_targets, print_dance, write_motion, write_report
 
     parse_number(bpm, "--bpm", 20, 400)
     parse_number(threshold, "--threshold", 0.001, 10)

@@ -85,8 +85,8 @@ def partner(
         ):
             raise PersonError(f"{option} {file}: that is a file to be read", "give the new file another name")
 
-    from live.cli.steps.partner_request import Wish
-    from live.cli.steps.partner_search import run
+    from live.app.offline.partner_request import Wish
+    from live.app.offline.partner_search import run
 
     run(Wish(
         leader=leader, examples=examples, out=out, path=path, online=online, stretch=stretch, k=k, beam=beam,

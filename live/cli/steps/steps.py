@@ -106,7 +106,7 @@ def add(
     The recording is copied there, and a table "step" joins the TOML file of its name. Nothing is written before the
     step was cut, and nothing that is there is written over.
     """
-    from live.cli.steps.add import Listening, add_to_library
+    from live.app.offline.step_adding import Listening, add_to_library
 
     given = {
         "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
@@ -123,7 +123,7 @@ def add(
 @app.command("list")
 def list_(library: Library = None, json_out: JsonOut = False) -> None:
     """List the steps: name, variations, length, tempo, ways, feet, poses, tags."""
-    from live.cli.steps.inspect import print_list
+    from live.app.offline.step_report import print_list
 
     print_list(library, json_out)
 
@@ -139,10 +139,10 @@ def show(
     ] = None,
 ) -> None:
     """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
-    from live.cli.steps.inspect import print_step
+    from live.app.offline.step_report import print_step
 
     if reach is not None:
-        from live.cli.steps.inspect import write_reach
+        from live.app.offline.step_report import write_reach
 
         write_reach(step, library, reach)
     print_step(step, library, json_out)
@@ -170,9 +170,9 @@ def graph(
     ] = False,
 ) -> None:
     """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
+    from live.app.offline.graph_report import print_graph
     from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
-    from live.cli.steps.graph import print_graph
 
     parse_number(threshold, "--threshold", 0.001, 10)
     parse_number(window, "--window", 0.01, 0.9)
@@ -187,9 +187,10 @@ def graph(
 @app.command("check")
 def check(library: Library = None, json_out: JsonOut = False) -> None:
     """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""
-    from live.cli.steps.inspect import print_findings
+    from live.app.offline.step_report import print_findings
 
-    print_findings(library, json_out)
+    if print_findings(library, json_out):
+        raise typer.Exit(1)
 
 
 @app.command("enrich")
@@ -217,8 +218,8 @@ def enrich(
     They are kept beside the sketch (walk.textured beside walk.toml), belong to the library from then on as other takes
     of the same step, and begin and end where the sketch does. What is needed of the motion capture is in them.
     """
+    from live.app.offline.texture_run import enrich_library
     from live.app.option_values import parse_number
-    from live.cli.steps.texture_run import enrich_library
     from live.motion.texture.texture_settings import Wish, parse_bands, parse_joints
 
     parse_number(fps, "--fps", 1, 10_000)
@@ -249,8 +250,8 @@ def play(
     fps: Annotated[float | None, typer.Option(help="Frames per second.")] = None,
 ) -> None:
     """Play a step again and again, a dancer for each variation, on the stage."""
+    from live.app.offline.step_preview import Preview, play_step
     from live.app.option_values import film_file, parse_number, parse_size, writable_file
-    from live.cli.steps.play import Preview, play_step
 
     parse_number(tempo, "--tempo", 20, 400)
     parse_number(seconds, "--seconds", 0.1, 7 * 86400)

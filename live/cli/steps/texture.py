@@ -62,8 +62,8 @@ def texture(
     where the sketch has them. JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or
     names of joints.
     """
+    from live.app.offline.texture_run import Asked, make
     from live.app.option_values import parse_number
-    from live.cli.steps.texture_run import Asked, make
     from live.motion.texture.texture_settings import Wish, column_of, parse_bands, parse_drive, parse_joints
 
     parse_number(fps, "--fps", 1, 10_000)

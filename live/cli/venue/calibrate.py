@@ -111,7 +111,7 @@ def _round_trip(
 def _claps(
     device: "SoundDevice", channels: "Channels", there: "Venue", flashes: int, monitor: str | None
 ) -> tuple[dict[str, Any], dict[str, float]]:
-    from live.cli.venue.clap_calibration import WindowScreen, clap_test
+    from live.app.offline.clap_calibration import WindowScreen, clap_test
 
     with WindowScreen(monitor) as screen:
         offset = clap_test(screen, device, channels, max(flashes, 16))

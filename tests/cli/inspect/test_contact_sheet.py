@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.app.offline.sheet_moments import Taken, Taking, moments_of_patch
+from live.app.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
 from live.app.session_audio import Sound
 from live.cli.inspect.contact_sheet import _apart
-from live.cli.inspect.sheet_moments import Taken, Taking, moments_of_patch
-from live.cli.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
 from live.clock.ticks import TICK
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import find_patch

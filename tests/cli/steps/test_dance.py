@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from live.app.offline.dance_plan import Asked, make_plan, put_together
+from live.app.offline.dance_request import read_text
 from live.base.errors import PersonError
 from live.cli.main import app
 from live.cli.steps.dance import dance
-from live.cli.steps.dance_plan import Asked, make_plan, put_together
-from live.cli.steps.dance_request import read_text
 from live.library.motion_file import read_motion
 from tests.cli.command import run_live
 from tests.motion.formats.made_bvh import body_bvh, danced

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from live.app.offline.partner_request import read_path
 from live.base.errors import PersonError
 from live.cli.steps.partner import partner
-from live.cli.steps.partner_request import read_path
 from live.library.partner_pairs import read_pairs
 from live.motion.clip import Clip, resample
 from live.motion.formats.bvh_reader import parse_bvh

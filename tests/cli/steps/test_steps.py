@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from live.app.offline.step_adding import Listening, add_to_library
+from live.app.offline.step_listing import find_step, named_steps, user_library
+from live.app.offline.step_preview import MOST, Preview, on_the_spot, play_step, preview_show
 from live.base.errors import PersonError
 from live.base.event_queue import Inbox
 from live.cli.main import app
-from live.cli.steps.add import Listening, add_to_library, find_step, named_steps, user_library
-from live.cli.steps.play import MOST, Preview, on_the_spot, play_step, preview_show
 from live.clock.time_source import ManualClock
 from live.graph.step_library import build_library
 from live.library.step_folder import load_folder

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from live.app.offline.graph_report import dot_of, json_of, report_of, svg_of
+from live.app.pictures.graph_svg import Arrow, State, state_machine
 from live.cli.main import app
-from live.cli.pictures.graph_svg import Arrow, State, state_machine
-from live.cli.steps.graph import dot_of, json_of, report_of, svg_of
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.show.patch.patch_search_path import PATCHES

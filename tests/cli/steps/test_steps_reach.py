@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from live.app.offline.step_report import reach_of_step
+from live.app.pictures.reach_picture import SIZE, TOP, PngCanvas, SvgCanvas, draw_reach, outline
 from live.cli.main import app
-from live.cli.pictures.reach_picture import SIZE, TOP, PngCanvas, SvgCanvas, draw_reach, outline
-from live.cli.steps.inspect import reach_of_step
 from live.graph.select.reachability import DIRECTION_NAMES
 
 SVG = "{http://www.w3.org/2000/svg}"

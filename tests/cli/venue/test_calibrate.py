@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.app.offline.clap_calibration import FIRST, PERIOD, flash
 from live.base.errors import PersonError
-from live.cli.venue.clap_calibration import FIRST, PERIOD, flash
 from live.clock.time_source import ManualClock
 from live.control.audio.latency_claps import clap_offset, find_claps
 from live.show.venue.venue import Venue, changed_venue, read_venue, venue_path, with_values

@@ -53,7 +53,7 @@ class Stage:
         for packet in packets:
             self.sender.sendto(packet, ("127.0.0.1", self.osc.port))
             self.sent += 1
-        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent)
+        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent and not self.osc._sieve.waits)
 
     def events(self):
         return self.inbox.drain()

@@ -5,9 +5,9 @@ import xml.etree.ElementTree as ElementTree
 
 from typer.testing import CliRunner
 
+from live.app.pictures.score_picture import score_picture
 from live.cli.inspect.score import described
 from live.cli.main import app
-from live.cli.pictures.score_picture import score_picture
 from live.show.score.score_sheet import sheet_of
 from tests.show.made_show import made_show
 

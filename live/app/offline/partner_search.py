@@ -9,9 +9,9 @@ from typing import Any, Final, Literal, cast
 import numpy as np
 import numpy.typing as npt
 
+from live.app.offline.partner_request import Led, Wish, compared, led_by_path, report_of
 from live.app.whole_file import write_whole
 from live.base.errors import PersonError
-from live.cli.steps.partner_request import Led, Wish, compared, led_by_path, report_of
 from live.library.motion_file import read_motion
 from live.library.partner_pairs import Examples, Side, read_pairs, recorded
 from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines

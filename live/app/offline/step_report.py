@@ -11,17 +11,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-import typer
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from live.app.option_values import writable_file
-from live.app.whole_file import write_whole
-from live.base.errors import PersonError
-from live.cli.pictures.reach_picture import PngCanvas, SvgCanvas, draw_reach
-from live.cli.steps.add import (
+from live.app.offline.step_listing import (
     RECORDING_THRESHOLD_M,
     SKETCH_THRESHOLD_M,
     NamedStep,
@@ -30,6 +25,10 @@ from live.cli.steps.add import (
     named_steps,
     threshold_for,
 )
+from live.app.option_values import writable_file
+from live.app.pictures.reach_picture import PngCanvas, SvgCanvas, draw_reach
+from live.app.whole_file import write_whole
+from live.base.errors import PersonError
 from live.graph.clusters import followers
 from live.graph.motion_graph import build_graph
 from live.graph.select.candidates import find_candidates
@@ -224,8 +223,8 @@ def write_reach(name: str, library: Path | None, to: Path) -> None:
     write_whole(canvas.data(), to, "--reach")
 
 
-def print_findings(library: Path | None, as_json: bool) -> None:
-    """Print all findings; exit 1 if something is wrong. PersonError if a folder cannot be read."""
+def print_findings(library: Path | None, as_json: bool) -> int:
+    """Print all findings; return how many are errors. PersonError if a folder cannot be read."""
     where = folders(library)
     checked = [check_folder(folder) for folder in where]
     if not any(one.steps or one.findings for one in checked):
@@ -240,8 +239,7 @@ def print_findings(library: Path | None, as_json: bool) -> None:
         print(json.dumps({"steps": len(names), "findings": [_row(f) for f in findings]}, ensure_ascii=False, indent=1))
     else:
         _print_findings(findings, len(names), wrong, where)
-    if wrong:
-        raise typer.Exit(1)
+    return wrong
 
 
 def _row(finding: Finding) -> dict[str, Any]:

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from live.app.offline.step_listing import NamedStep, folders, named_steps, threshold_for
+from live.app.pictures.graph_svg import Arrow, State, state_machine
 from live.app.whole_file import write_whole
 from live.base.errors import PersonError
-from live.cli.pictures.graph_svg import Arrow, State, state_machine
-from live.cli.steps.add import NamedStep, folders, named_steps, threshold_for
 from live.graph.build.bridges import Recorded, find_bridges
 from live.graph.clusters import Component, Connectivity, Lead, connectivity, leads, nearest_steps, structural_components
 from live.graph.motion_graph import MotionGraph, build_graph

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from rich.console import Console
 
+from live.app.offline.dance_report import check_targets, write_motion
+from live.app.offline.step_listing import folders
 from live.app.whole_file import write_whole
 from live.base.errors import PersonError
-from live.cli.steps.add import folders
-from live.cli.steps.dance_report import check_targets, write_motion
 from live.library.capture_material import read_material
 from live.library.motion_file import MOTION_ENDINGS, read_motion
 from live.library.recording_file import read_step_files
@@ -107,7 +107,7 @@ def _read_sketch(asked: Asked) -> _Sketch:
     if path.suffix.lower() == ".toml":
         steps = sketched_steps({str(path): _text(path)})
     else:
-        from live.cli.steps.add import find_step, named_steps
+        from live.app.offline.step_listing import find_step, named_steps
 
         steps = list(find_step(named_steps(None), asked.sketch).clips)
     if not 1 <= asked.variation <= len(steps):

@@ -9,11 +9,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from live.app.option_values import writable_file
+from live.app.offline.dance_plan import Plan
+from live.app.option_values import EXPORT_ENDINGS, writable_file
 from live.app.whole_file import write_whole
 from live.base.errors import PersonError
-from live.cli.motion.export import ENDINGS
-from live.cli.steps.dance_plan import Plan
 from live.graph.dance_metrics import DanceFigures
 from live.graph.render_dance import Assembled
 from live.motion.clip import Clip
@@ -26,8 +25,10 @@ SHOWN: Final = 200
 
 def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None:
     """PersonError for files that cannot or must not be written."""
-    if out is not None and out.suffix.lower() not in ENDINGS:
-        raise PersonError(f"--out {out}: a name that ends in {', '.join(ENDINGS)} expected", f"--out {out.stem}.bvh")
+    if out is not None and out.suffix.lower() not in EXPORT_ENDINGS:
+        raise PersonError(
+            f"--out {out}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--out {out.stem}.bvh"
+        )
     if report is not None and report.suffix.lower() != ".json":
         raise PersonError(f"--report {report}: a name that ends in .json expected", f"--report {report.stem}.json")
     for file, option in ((out, "--out"), (report, "--report")):

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from live.cli.inspect.sheet_moments import Taken
+from live.app.offline.sheet_moments import Taken
 from live.render.lettering import readable
 
 Picture = npt.NDArray[np.uint8]

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Final
 
-from live.cli.pictures.reach_picture import Canvas
+from live.app.pictures.reach_picture import Canvas
 from live.clock.ticks import TICK
 from live.show.journal.journal_reader import Survey
 

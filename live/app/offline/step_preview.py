@@ -8,9 +8,9 @@ import numpy as np
 from rich.console import Console
 
 from live.app.launch_options import Wish
+from live.app.offline.step_listing import find_step, named_steps
 from live.app.session_audio import Sound
 from live.base.errors import PersonError
-from live.cli.steps.add import find_step, named_steps
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion.clip import Clip
@@ -88,7 +88,7 @@ def play_step(preview: Preview) -> None:
 
     if preview.film is not None and not preview.headless:
         from live.app.kernel_warmup import warm_kernels
-        from live.app.offline_film import film_show
+        from live.app.offline.film import film_show
 
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from live.app.offline.step_listing import named_steps
 from live.app.whole_file import write_whole
 from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Look, Scene, StageView
-from live.cli.steps.add import named_steps
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.app.offline.dance_request import SKETCHES, check_attributes, read_clips, read_text, read_wanted
+from live.app.offline.step_listing import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
 from live.base.errors import PersonError
-from live.cli.steps.add import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
-from live.cli.steps.dance_request import SKETCHES, check_attributes, read_clips, read_text, read_wanted
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.render_dance import Assembled, assemble
 from live.graph.search.depth_first_reference import SearchTooLong

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from live.app.launch_options import Wish
 from live.app.live_recording import film_sound, film_writer
-from live.app.offline_film import canvas, mixed_sound, progress_bar
+from live.app.offline.film import canvas, mixed_sound, progress_bar
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.audio.music_file import Music, MusicFileError, read_music

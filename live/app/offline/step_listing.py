@@ -1,0 +1,82 @@
+"""Steps of the libraries that a command line names: folders, names, variations."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import platformdirs
+
+from live.base.errors import PersonError
+from live.library.step_folder import load_folder
+from live.library.step_folder import plain_name as plain
+from live.motion.step_clip import StepClip
+from live.show.patch.patch_search_path import PATCHES
+
+SKETCH_THRESHOLD_M = 0.16
+RECORDING_THRESHOLD_M = 0.35
+"""How far apart poses may be to be joined [m]: as in a patch, and as with `live play --steps`."""
+
+
+def user_library() -> Path:
+    """The folder into which `live steps add` writes where no other is named."""
+    return Path(platformdirs.user_data_dir("choreographics-live")) / "steps"
+
+
+def folders(library: Path | None) -> list[Path]:
+    """The folder that was named, else the user's (if it is there) and the project's."""
+    if library is not None:
+        return [library]
+    own = user_library()
+    return [*([own] if own.is_dir() and any(own.glob("*.toml")) else []), PATCHES / "steps"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedStep:
+    """A step with all its variations."""
+
+    name: str
+    clips: tuple[StepClip, ...]
+    folder: Path
+
+    @property
+    def ways(self) -> list[str]:
+        """The directions in which it is danced."""
+        return list(dict.fromkeys(clip.direction for clip in self.clips))
+
+    def told(self, field: str) -> list[str]:
+        """What its variations say for a field, without repeats and silence."""
+        return list(dict.fromkeys(str(getattr(c, field)) for c in self.clips if getattr(c, field) not in ("", None)))
+
+    @property
+    def tags(self) -> list[str]:
+        """All tags of its variations."""
+        return list(dict.fromkeys(tag for clip in self.clips for tag in clip.tags))
+
+
+def named_steps(library: Path | None) -> list[NamedStep]:
+    """All steps, a folder after the other; a name that came before hides a later one."""
+    found: dict[str, NamedStep] = {}
+    for folder in folders(library):
+        clips = load_folder(folder)
+        for name in dict.fromkeys(clip.step for clip in clips):
+            own = tuple(clip for clip in clips if clip.step == name)
+            found.setdefault(plain(name), NamedStep(name, own, folder))
+    return list(found.values())
+
+
+def find_step(steps: Sequence[NamedStep], name: str) -> NamedStep:
+    """The step of that name (capitals, blanks and underscores do not matter); PersonError with the nearest names."""
+    for step in steps:
+        if plain(step.name) == plain(name):
+            return step
+    import difflib
+
+    near = difflib.get_close_matches(plain(name), [plain(step.name) for step in steps], n=3)
+    there = [step.name for step in steps if plain(step.name) in near] or [step.name for step in steps]
+    raise PersonError(f"there is no step {name[:80]!r}", f"{', '.join(there[:20])} (see `live steps list`)")
+
+
+def threshold_for(steps: Sequence[NamedStep]) -> float:
+    """How far apart the poses of these steps may be to be joined [m]."""
+    sketched = all(step.folder == PATCHES / "steps" for step in steps)
+    return SKETCH_THRESHOLD_M if sketched else RECORDING_THRESHOLD_M
