@@ -71,7 +71,7 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
     shaders = watch_shaders(session, renderer.take_shaders)
 
     def take_patch(patch: "Patch") -> None:
-        with contextlib.suppress(PersonError):  # compiled once already before it came here; else the last good one stays
+        with contextlib.suppress(PersonError):  # compiled once before; else the last good one stays
             renderer.take_own(patch.picture.own_passes)
 
     session.engine.patched.append(take_patch if watch is None else watch.take_patch)

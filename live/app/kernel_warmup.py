@@ -136,7 +136,7 @@ def warm_kernels(console: "Console") -> int:
 def warm(
     stamp: Annotated[
         Path | None,
-        typer.Option(help="Write into this file the path of the file that marks the cache as complete.", dir_okay=False),
+        typer.Option(help="Write into this file the path of the mark of a complete cache.", dir_okay=False),
     ] = None,
 ) -> None:
     """Compile and cache the kernels, so that the first show starts at once."""

@@ -66,7 +66,7 @@ class LiveRecording:
         self._failed: FilmError | None = None
 
     def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
-        """Record the picture drawn at `time` [s of the show] once, repeatedly or not at all, to match the film's rate."""
+        """Record the picture drawn at `time` [s of the show] once, repeatedly or never, to match the film's rate."""
         picture = self._reader.push(framebuffer)
         due = int(time * self._fps)
         if picture is None or self._failed is not None:

@@ -69,7 +69,7 @@ def found(text: str, where: str) -> Monitor:
 
 
 class OutputKeeping:
-    """Saves outputs and values to the venue's file in a thread, one after the other. `keep`: call in the main thread."""
+    """Saves outputs and values to the venue's file in a thread, in order. `keep`: call in the main thread."""
 
     def __init__(self, venue: str | None, told: Callable[[str], None]) -> None:
         """`venue`: its name; without one nothing is saved. `told` is called with the result in words, in any thread."""

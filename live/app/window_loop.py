@@ -60,7 +60,7 @@ class Takers:
     def __init__(
         self, session: Session, ctx: moderngl.Context, size: tuple[int, int], *, sharing: LiveSharing | None = None
     ) -> None:
-        """Make those of the launch options; raise PersonError if one fails. `sharing`: already made, closed elsewhere."""
+        """Make those of the options; raise PersonError if one fails. `sharing`: already made, closed elsewhere."""
         self._lent = sharing
         wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
         self._calls = Bulkhead()

@@ -1,4 +1,4 @@
-"""Base holds what every layer may use: errors, queues between threads, array types, the drawing snapshot.
+"""The `base` layer: errors, queues between threads, array types and the drawing snapshot, for use by every layer.
 
 It imports no other layer.
 """

@@ -1,40 +1,40 @@
-"""The bodies that dancers can have, by name: one skeleton, other flesh on it.
+"""The bodies that dancers can have, by name, and characters that are loaded from files.
 
-Characters that people bring along: which file is drawn in the place of the usual body, and how.
+All bodies share one skeleton and differ in their mesh.
 """
 
 from dataclasses import dataclass
 from typing import Final
 
 USUAL: Final = "dancer"
-"""The body of everybody of whom nothing else is said."""
+"""The default body."""
 BODIES: Final = (USUAL, "slim", "strong", "round", "child")
-"""All bodies; a dancer's joints are the same in each, so her feet stand and her hands meet as they should."""
+"""The built-in bodies. Joints are the same in each, so feet and hands reach the same places."""
 
 
 MOST: Final = 12
-"""Characters in one show at most."""
+"""Maximum number of characters in one show."""
 
 
 @dataclass(frozen=True, slots=True)
 class Worn:
-    """What is changed of a character's material; None: as in its file."""
+    """Overrides of a character's material; None: as in its file."""
 
     colour: tuple[float, float, float] | None = None
-    """Linear RGB that its texture is multiplied by."""
+    """Linear RGB factor for its texture."""
     sheen: float | None = None
-    """How much it shines in the light, 0 to 1."""
+    """Specular strength, 0 to 1."""
     hidden: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class CharacterFile:
-    """A character of a scene: dancers whose body (`Scene.bodies`) has its name are drawn as it."""
+    """A character of a scene: replaces the mesh of dancers whose body (`Scene.bodies`) has this name."""
 
     name: str
     path: str
-    """A .glb, .gltf or .vrm file that is there."""
+    """An existing .glb, .gltf or .vrm file."""
     joints: tuple[tuple[str, str], ...] = ()
-    """Engine joints and the nodes of the file that are meant, where names do not say it."""
+    """Engine joints and the nodes of the file that they map to, where the names differ."""
     materials: tuple[tuple[str, Worn], ...] = ()
     """Materials of the file by name."""

@@ -1,6 +1,6 @@
-"""Packed: a long text as a short one of plain letters, for lines that are written within a frame.
+"""Compression of long texts to short ASCII ones (zlib and base64), for lines that are written within a frame.
 
-Zlib and base64: what is a hundred kilobytes of JSON costs the frame a copy of some kilobytes.
+A hundred kilobytes of JSON then cost the frame a copy of a few kilobytes.
 """
 
 import base64
@@ -9,23 +9,23 @@ import zlib
 from typing import Final
 
 LONG: Final = 4096
-"""Texts of more characters are packed."""
+"""Texts with more characters are packed."""
 MOST: Final = 16_000_000
-"""Bytes that a packed text may become ..."""
+"""Maximum size of an unpacked text [bytes]."""
 MOST_VALUES: Final = 500_000
-"""... and values that it may hold as JSON: a damaged or hostile one asks for no more memory."""
+"""Maximum number of JSON values in an unpacked text: limits the memory that a damaged or hostile text can take."""
 _MARK: Final = "zlib:"
 
 
 def packed(text: str) -> str:
-    """The text, or what `unpacked` makes it of."""
+    """Return the text, compressed if it is long; `unpacked` reverses this."""
     if len(text) <= LONG and not text.startswith(_MARK):
         return text
     return _MARK + base64.b64encode(zlib.compress(text.encode(), 6)).decode("ascii")
 
 
 def unpacked(text: str) -> str:
-    """The text that was packed; ValueError for what is damaged or would be too long."""
+    """Return the original of a packed text; ValueError if it is damaged or would be too long."""
     if not text.startswith(_MARK):
         return text
     worker = zlib.decompressobj()
@@ -41,7 +41,7 @@ def unpacked(text: str) -> str:
 
 
 def values_in(text: str | bytes) -> int:
-    """At least as many as a text holds as JSON: so much memory it takes to read it."""
+    """Return an upper bound for the number of JSON values in a text: an estimate of the memory it takes to parse it."""
     if isinstance(text, bytes):
         return 1 + sum(text.count(mark) for mark in (b",", b"[", b"{", b":"))
     return 1 + sum(text.count(mark) for mark in ",[{:")

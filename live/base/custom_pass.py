@@ -1,9 +1,9 @@
-"""OwnPass: a pass of somebody's own, written in GLSL: its name, its text, and what can be set of it.
+"""Custom render passes, written by users in GLSL: name, source text and parameters.
 
     uniform float speed;   // 0 4 1   how fast the waves go
     vec4 pass(vec2 at) { return vec4(light(at + 0.01 * sin(beat * speed)), 1.0); }
 
-A uniform with a range behind it is a parameter: lowest, highest and first value, then words.
+A uniform with a range in its comment is a parameter: lowest, highest and first value, then a description.
 """
 
 import re
@@ -13,14 +13,14 @@ from typing import Final
 from live.base.errors import PersonError
 
 MOST_PASSES: Final = 4
-"""Own passes of a patch at most."""
+"""Maximum number of custom passes in a patch."""
 MOST_PARAMETERS: Final = 15
-"""Parameters of one at most."""
+"""Maximum number of parameters of one pass."""
 MOST_CHARACTERS: Final = 32_000
 NUMBERS: Final = 1 + MOST_PARAMETERS
-"""Numbers of one in the picture's row: its amount, then its parameters."""
+"""Numbers of one pass in the picture's row: its amount, then its parameters."""
 NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,31}")
-"""What an own pass can be called, for it is a file and an address as well."""
+"""Valid names of custom passes; each is also a file name and part of an address."""
 ROOT: Final = "/dance/pass"
 
 _UNIFORM: Final = re.compile(r"^\s*uniform\s+(\w+)\s+(\w+)\s*;\s*(?://\s*(.*))?$")
@@ -42,12 +42,12 @@ KNOWN: Final = frozenset(
         "dancer",
     }
 )
-"""What a pass has without saying so."""
+"""Names that are predefined in every pass."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnParameter:
-    """A number of an own pass that can be set."""
+    """A parameter of a custom pass."""
 
     name: str
     low: float
@@ -58,17 +58,17 @@ class OwnParameter:
 
 @dataclass(frozen=True, slots=True)
 class OwnPass:
-    """One own pass."""
+    """One custom pass."""
 
     name: str
     source: str
-    """Its GLSL."""
+    """GLSL source."""
     parameters: tuple[OwnParameter, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class OwnNumber:
-    """Where a number of an own pass lies within the numbers of all own passes, and what it can be."""
+    """Position of one number among the numbers of all custom passes, and its range."""
 
     place: int
     low: float
@@ -77,7 +77,7 @@ class OwnNumber:
 
 
 def read_own_pass(name: str, source: str) -> OwnPass:
-    """The pass `name` of this text; PersonError says what is wrong, with the line."""
+    """Return the pass `name` with this source; PersonError names the fault and its line."""
     where = f"passes/{name}.glsl"
     if NAME.fullmatch(name) is None:
         raise PersonError(f"a pass cannot be called {name[:40]!r}", "small letters, digits and _ only, a letter first")
@@ -118,7 +118,7 @@ def _parameter(where: str, kind: str, name: str, comment: str) -> OwnParameter:
 
 
 def own_numbers(passes: tuple[OwnPass, ...]) -> dict[str, OwnNumber]:
-    """All numbers of own passes by their addresses; they lie one pass behind the other."""
+    """Return all numbers of custom passes by address; the passes lie one behind the other."""
     numbers = {}
     for slot, one in enumerate(passes[:MOST_PASSES]):
         first = slot * NUMBERS

@@ -1,6 +1,6 @@
-"""Errors that a person can put right: one line that says what is wrong, and what to do about it.
+"""Errors that a user can correct: one line with the fault and a remedy.
 
-Words from files and networks as they may be printed: what a terminal would obey, or nobody sees, is spelled out.
+Text from files and networks is made safe to print: control characters and invisible characters are escaped.
 """
 
 import re
@@ -11,20 +11,21 @@ from typing import Final
 _OBEYED: Final = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
 )
-"""Control characters but for tab and line end, marks that turn the direction of writing, and halves of characters."""
+"""Control characters except tab and line end, bidirectional marks, and surrogates."""
 
 
 def printable(text: str) -> str:
-    """The text with each of those as a Python string would show it: the escape character as the four of `\\x1b`."""
+    """Return the text with those characters escaped as in a Python string: the escape character as the four of
+    `\\x1b`."""
     return _OBEYED.sub(lambda found: ascii(found.group())[1:-1], text)
 
 
 class PersonError(Exception):
-    """What the command line shows in place of a traceback (exit code 2).
+    """An error that the command line shows without a traceback (exit code 2).
 
-    `message` is one line: what was read and what is allowed. `remedy`, if there is one, is what to type or change.
-    What a terminal would obey is spelled out in both.
-    `place` are the keys under which it stands in what was read, ("segment", 3, "formation"), for whoever knows lines.
+    `message` is one line: the value read and the values allowed. `remedy`, if any, is what to type or change.
+    Control characters are escaped in both.
+    `place` are the keys that lead to the value, ("segment", 3, "formation"), from which callers can find its line.
     """
 
     def __init__(self, message: str, remedy: str | None = None, place: tuple[str | int, ...] = ()) -> None:
@@ -39,7 +40,7 @@ class PersonError(Exception):
 
 @contextmanager
 def named(where: str, place: tuple[str | int, ...] = ()) -> Iterator[None]:
-    """Whatever a person is told from within begins with where it is; `place` are the keys that lead there."""
+    """Prefix the messages of errors raised inside with `where`; `place` are the keys that lead there."""
     try:
         yield
     except PersonError as error:

@@ -1,10 +1,11 @@
-"""Part faults: an exception in a thread or a callback beside the show ends neither the show nor that part for good.
+"""Fault isolation: an exception in a worker thread or a callback stops neither the show nor that part for good.
 
-A thread's work is begun again after a pause that grows (`keep_running`). A callback that a frame makes is one of many,
-each behind a bulkhead of its own (`Bulkhead`; Nygard, *Release It!*, 2007): one that fails again and again is left out
-for some calls, then tried once more. All of it is counted, and told in a person's words (`FAULTS`).
+A thread's work is restarted after a growing pause (`keep_running`). Each callback of a frame has its own bulkhead
+(`Bulkhead`; Nygard, *Release It!*, 2007): after repeated failures it is skipped for some calls, then tried again.
+All failures are counted and reported in plain words (`FAULTS`).
 
-Nothing here waits or reads a clock: how a thread waits it says itself, and callbacks rest for so many calls.
+Nothing here waits or reads a clock: the caller supplies a thread's wait function, and callbacks are skipped for a
+number of calls.
 """
 
 import re
@@ -13,62 +14,62 @@ from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
 FIRST_PAUSE: Final = 0.05
-"""Seconds after which work is begun again at first ..."""
+"""First pause before work is restarted [s]."""
 LONGEST_PAUSE: Final = 1.0
-"""... and at most: each pause is twice the last one."""
+"""Longest pause [s]; each pause is twice the last one."""
 IN_A_ROW: Final = 3
-"""After so many failures in a row a callback is left out ..."""
+"""Number of consecutive failures after which a callback is skipped."""
 FIRST_REST: Final = 64
-"""... for so many calls at first, a second of frames ..."""
+"""Calls that are skipped at first: a second of frames."""
 LONGEST_REST: Final = 4096
-"""... and at most a minute of frames; each rest is twice the last one."""
+"""Maximum of calls skipped, a minute of frames; each time twice the last number."""
 KEPT: Final = 32
-"""Parts that are remembered by name; a program has no more."""
+"""Maximum number of parts that are counted by name."""
 
 _CAMEL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 Result = TypeVar("Result")
 
 
 class PartFaults:
-    """What has failed in this process. Thread: any; counts of two that fail in the same moment may be one too few."""
+    """Failures in this process. Thread: any; two failures at the same moment may be counted as one."""
 
     def __init__(self) -> None:
         self.counts: dict[str, int] = {}
         """Failures by part."""
         self.last: dict[str, str] = {}
-        """The last failure of each, in words."""
+        """The last failure of each part, in words."""
         self.resting: dict[str, str] = {}
-        """What is left out now, and why."""
+        """Parts that are skipped now, and why."""
         self._news = ""
         self.traces: deque[BaseException] = deque(maxlen=4)
-        """The last exceptions, for whoever looks closer."""
+        """The last exceptions, for debugging."""
 
     def note(self, part: str, error: BaseException) -> None:
-        """A part has failed."""
+        """Record a failure of a part."""
         if part not in self.counts and len(self.counts) >= KEPT:
             part = "other parts"
         count = self.counts[part] = self.counts.get(part, 0) + 1
         self.last[part] = words = f"{type(error).__name__}: {' '.join(str(error).split())}"[:200]
         self.traces.append(error)
-        if count & (count - 1) == 0:  # at powers of two: whoever fails in each frame fills no terminal
+        if count & (count - 1) == 0:  # at powers of two, so that a failure in each frame does not fill the terminal
             often = "" if count == 1 else f" ({count} times by now)"
             self._news = f"{part} failed and goes on{often}: {words}"
 
     def rest(self, part: str) -> None:
-        """A part is left out for a while."""
+        """Record that a part is skipped for a while."""
         self.resting[part] = self._news = f"{part} fails again and again and is left out for a while: {self.last[part]}"
 
     def wait(self, part: str) -> None:
-        """A part cannot be had yet, and is tried again."""
+        """Record that a part is not available yet and is retried."""
         self.resting[part] = self._news = f"{part} is tried again until it goes well: {self.last[part]}"
 
     def works(self, part: str) -> None:
-        """A part that was left out works again."""
+        """Record that a part works again."""
         if self.resting.pop(part, None) is not None:
             self._news = f"{part} works again"
 
     def since(self, counts: dict[str, int]) -> list[str]:
-        """What has failed since `counts` was copied, in words."""
+        """Return the failures since `counts` was copied, in words."""
         return [
             f"{part} failed {count - counts.get(part, 0)} times: {self.last[part]}"
             for part, count in self.counts.items()
@@ -77,32 +78,33 @@ class PartFaults:
 
     @property
     def total(self) -> int:
-        """All failures."""
+        """Number of all failures."""
         return sum(self.counts.values())
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return the fields for the status message."""
         return {"failed": dict(self.counts), "left_out": list(self.resting), "last": dict(self.last)}
 
     def news(self) -> str:
-        """The last news in words; empty before the first."""
+        """Return the last notice; empty before the first."""
         return self._news
 
     def problem(self) -> str:
-        """What is left out now, for the overlay; empty: nothing."""
+        """Return the parts that are skipped now, for the overlay; empty: none."""
         return "; ".join(list(self.resting.values())[:3])
 
 
 FAULTS: Final = PartFaults()
-"""Of this process: threads have nobody else to tell."""
+"""The failures of this process, shared by all threads."""
 
 
 def keep_running(
     part: str, work: Callable[[], None], wait: Callable[[float], bool], *, faults: PartFaults = FAULTS
 ) -> None:
-    """Do `work` until it returns; where it ends in an exception it is begun again after a pause.
+    """Run `work` until it returns; after an exception, restart it after a pause.
 
-    `wait(seconds)` pauses, and is True if the thread is to end: `threading.Event.wait` is one. Thread: the work's own.
+    `wait(seconds)` pauses, and returns True if the thread has to end: `threading.Event.wait` does. Thread: the work's
+    own.
     """
     pause = FIRST_PAUSE
     while True:
@@ -118,7 +120,7 @@ def keep_running(
 
 
 def run_once(part: str, work: Callable[[], None], *, faults: PartFaults = FAULTS) -> bool:
-    """Do `work`; whether it went well. An exception is noted."""
+    """Run `work` and return whether it succeeded. An exception is recorded."""
     try:
         work()
     except Exception as error:
@@ -128,14 +130,14 @@ def run_once(part: str, work: Callable[[], None], *, faults: PartFaults = FAULTS
 
 
 class Bulkhead:
-    """Calls what is beside the show, each part on its own. Thread: one."""
+    """Calls callbacks, with the failures of each kept apart. Thread: one."""
 
     def __init__(self, faults: PartFaults = FAULTS) -> None:
         self._faults = faults
-        self._failed: dict[str, list[int]] = {}  # in a row, calls still to be left out, length of the next rest
+        self._failed: dict[str, list[int]] = {}  # consecutive failures, calls still to skip, length of the next skip
 
     def call(self, part: str, act: Callable[..., Result], *arguments: Any) -> Result | None:
-        """What `act` returns; None if it fails or is left out. `part`: its name, in a person's words."""
+        """Return the result of `act`; None if it fails or is skipped. `part`: its name for messages."""
         failed = self._failed.get(part)
         if failed is not None and failed[1] > 0:
             failed[1] -= 1
@@ -160,7 +162,7 @@ class Bulkhead:
 
 
 def name_of(act: Callable[..., Any]) -> str:
-    """How a callback is called for people who were not told a better name: its class, or its own name."""
+    """Return a readable name of a callback: its class, or its own name."""
     owner = getattr(act, "__self__", None)
     if owner is None:
         return str(getattr(act, "__qualname__", type(act).__name__)).partition(".<locals>")[0].replace("_", " ")

@@ -1,4 +1,4 @@
-"""Field types: plain values that came as bytes become the fields of a dataclass, checked by its annotations."""
+"""Conversion of plain values to dataclasses, checked by their annotations."""
 
 import contextlib
 import types
@@ -12,9 +12,10 @@ Kind = TypeVar("Kind")
 
 
 def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
-    """The dataclass `cls` with these fields; ValueError names a field that is unknown, missing or of another type.
+    """Return the dataclass `cls` with these fields; ValueError names a field that is unknown, missing or of a wrong
+    type.
 
-    Sequences become tuples, texts paths, and values of fields that are dataclasses these, wherever the annotation says.
+    Where the annotation says so, sequences become tuples, texts become paths, and dictionaries become dataclasses.
     """
     hints = _hints(cls)  # type: ignore[arg-type]
     unknown = sorted(map(str, set(values) - set(hints)))
@@ -34,7 +35,7 @@ def _hints(cls: type) -> dict[str, Any]:
 
 
 def field_value(hint: Any, value: Any, where: str) -> Any:
-    """The value as the annotation `hint` wants it; ValueError otherwise."""
+    """Return the value converted to the annotation `hint`; ValueError otherwise."""
     origin = get_origin(hint)
     if origin in (Union, types.UnionType):
         for each in get_args(hint):
@@ -58,7 +59,7 @@ _PLAIN: Final = {
     bool: (bool,), int: (int,), float: (int, float), str: (str,), bytes: (bytes,), Path: (str,),
     type(None): (type(None),),
 }  # fmt: skip
-"""By annotation, the classes of values that it takes."""
+"""Accepted classes of values by annotation."""
 
 
 def _tuple(inside: tuple[Any, ...], value: Sequence[Any], where: str) -> tuple[Any, ...]:

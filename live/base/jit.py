@@ -1,9 +1,9 @@
-"""The one door to numba: kernels with explicit signatures, kept on disk under names that follow their sources.
+"""Interface to numba: kernels with explicit signatures, cached on disk under a hash of their sources.
 
-A lazy kernel recompiles without a word when it meets a read-only, strided or float64 array, and forty frames are
-lost on stage. Here every kernel names its types, so it is compiled when its module is imported and a wrong array
-is a TypeError. numba's disk cache does not see an edit in *another* file that a kernel calls; therefore the folder
-in which the kernels of a file are kept carries a hash of that file and of all that it takes from others.
+A lazy kernel silently recompiles for a read-only, strided or float64 array, which costs about forty frames during a
+show. Here every kernel states its types, so it is compiled when its module is imported, and a wrong array raises
+TypeError. numba's disk cache does not notice an edit in *another* file that a kernel calls; therefore the cache folder
+of each file's kernels carries a hash of that file and of all that it imports from others.
 """
 
 import hashlib
@@ -22,27 +22,27 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 kernel_compiled: list[Callable[[str], None]] = []
-"""Called with a kernel's name each time one is ready (progress bars listen here)."""
+"""Callbacks that receive each kernel's name once it is compiled (for progress bars)."""
 
 
 _IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
 
 
 def kernel_files() -> list[Path]:
-    """All files that hold kernels, in a fixed order: every ``kernels.py`` of the package."""
+    """Return all files with kernels, in a fixed order: every ``*kernels.py`` of the package."""
     return sorted(_PACKAGE.rglob("*kernels.py"))
 
 
 def kernel_count() -> int:
-    """How many kernels there are in all, for the length of a progress bar."""
+    """Return the number of all kernels, for the length of a progress bar."""
     return sum(path.read_text(encoding="utf-8").count("\n@kernel(") for path in kernel_files())
 
 
 def sources_of(path: Path) -> list[Path]:
-    """A file of kernels and all files whose code or numbers are written into them, in a fixed order.
+    """Return a file of kernels and all files whose code or constants are compiled into them, in a fixed order.
 
-    Other files of kernels are followed to their own sources; of any other file only its text counts: kernels take
-    plain numbers from there.
+    Imports of kernel files are followed recursively. Of any other file only the text counts, as kernels take only
+    constants from there.
     """
     found: set[Path] = set()
     waiting = [path]
@@ -58,13 +58,13 @@ def sources_of(path: Path) -> list[Path]:
 
 
 def cache_root() -> Path:
-    """Where compiled kernels are kept; `LIVE_CACHE_DIR` overrides the user's cache directory."""
+    """Return the folder for compiled kernels; `LIVE_CACHE_DIR` overrides the user's cache directory."""
     return Path(os.environ.get("LIVE_CACHE_DIR") or platformdirs.user_cache_dir("choreographics-live")) / "kernels"
 
 
 @cache
 def cache_name(path: Path) -> str:
-    """The folder for the kernels of one file: it changes with its sources, with Python and with checked bounds."""
+    """Return the cache folder of one file's kernels: it depends on its sources, on Python and on bounds checking."""
     digest = hashlib.sha256(sys.version.encode())
     if BOUNDS_CHECKED:
         digest.update(b"bounds")
@@ -80,7 +80,7 @@ def _writable_root() -> Path:
         root.mkdir(parents=True, exist_ok=True)
         if not os.access(root, os.W_OK):
             raise PermissionError(root)
-    except OSError:  # a read-only home: the show starts all the same, and compiles again the next time
+    except OSError:  # a read-only home: the show still starts, and compiles again the next time
         root = Path(tempfile.gettempdir()) / "choreographics-live-kernels"
         root.mkdir(parents=True, exist_ok=True)
     return root
@@ -90,7 +90,7 @@ KERNELS = _writable_root()
 """The folder of this process's compiled kernels."""
 
 os.environ["NUMBA_CACHE_DIR"] = str(KERNELS)
-import numba  # noqa: E402 - its cache directory had to be named first
+import numba  # noqa: E402 - its cache directory has to be set first
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
 BOUNDS_CHECKED = bool(numba.config.BOUNDSCHECK)
@@ -116,10 +116,10 @@ def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
 
 
 def part(function: Function) -> Function:
-    """A part of kernels, written into each kernel that calls it; only kernels may call it.
+    """Mark a function that is inlined into each kernel that calls it; only kernels may call it.
 
-    It has no compiled form, so it needs no signature; and the arrays that a kernel makes keep their known lengths in
-    it, without which rows could not be told apart and nothing would be vectorised.
+    It has no compiled form, so it needs no signature. Inlining also keeps the known lengths of arrays that a kernel
+    makes, which vectorisation depends on.
     """
     inlined: Function = numba.njit(nogil=True, error_model="numpy", inline="always")(function)
     return inlined

@@ -1,5 +1,6 @@
-"""Silence for C libraries that write to stderr by themselves (ALSA, JACK and Mesa on a machine without hardware), and
-streams that outlive the terminal they lead to."""
+"""Suppression of stderr output by C libraries (ALSA, JACK and Mesa on a machine without hardware), and standard streams
+that survive the closing of their terminal.
+"""
 
 import contextlib
 import io
@@ -11,7 +12,8 @@ from typing import BinaryIO, cast
 
 @contextlib.contextmanager
 def quiet_stderr() -> Iterator[None]:
-    """File descriptor 2 leads nowhere inside; for short calls on the main thread (it is the whole process's)."""
+    """Redirect file descriptor 2 to the null device; for short calls on the main thread (it affects the whole
+    process)."""
     sys.stderr.flush()
     kept = os.dup(2)
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -25,22 +27,22 @@ def quiet_stderr() -> Iterator[None]:
 
 
 class Forgiving(io.TextIOWrapper):
-    """A stream whose other end may go at any time: what is said then is lost."""
+    """A stream that ignores write errors: after its terminal has closed, output is lost."""
 
     def write(self, text: str, /) -> int:
-        """Say it, if anybody is there."""
+        """Write the text; ignore OSError."""
         with contextlib.suppress(OSError):
             return super().write(text)
         return len(text)
 
     def flush(self) -> None:
-        """Say what waits, if anybody is there."""
+        """Flush; ignore OSError."""
         with contextlib.suppress(OSError):
             super().flush()
 
 
 def outlive_terminals() -> None:
-    """Let this process speak on where its terminal is closed: a show without a supervisor outlives that, too."""
+    """Let this process run on after its terminal is closed, as a show without a supervisor does."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         with contextlib.suppress(OSError, ValueError, AttributeError):

@@ -1,20 +1,8 @@
-"""The picture's parameters: light, colours and camera as one row of numbers that may change while a show runs.
+"""The picture's parameters: light, colours, camera, passes and drawing styles as one row of numbers.
 
-One table says all of them, with address, range, start value and unit: controls, scenes, fades, the reference and the
-renderer are made from it. A new one is a new line here, and a use in the renderer. Colours are linear RGB.
-
-How a camera sees beyond its place and angle, and how it moves: parameters of the picture's row, one line each.
-
-They lie behind the camera's eye, target and angle of view in `live.base.picture_parameters`.
-
-How the dancers of a group are drawn: the parameters that every group has for itself, each one line here.
-
-Styles are amounts from 0 to 1 that add up as they come, so that one fades into another; they are part of the picture's
-row (`live.base.picture_parameters`), after the groups' colours. Colours are linear RGB.
-
-Lamps beside key and rim light: sides, back, beams in the haze, follow spots; what the light answers. One line each.
-
-Parameters of the picture's row (`live.base.picture_parameters`); colours are linear RGB.
+Tables give address, kind, range, start value and unit of each. Controls, scenes, fades, the reference and the renderer
+use them: a new parameter is one new line here and its use in the renderer. Colours are linear RGB. Styles are
+amounts from 0 to 1 that add up, so that one can fade into another; every group has its own.
 """
 
 from dataclasses import dataclass, replace
@@ -57,11 +45,11 @@ CAMERA_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str,
         "How much of the plan is drawn over the picture: circles with triangles, where they came from.",
     ),
 )  # fmt: skip
-"""Address, kind, least, most, start, unit, words."""
+"""Camera: address, kind, minimum, maximum, start, unit, description."""
 
 
 AMOUNTS: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
-"""The styles; what each group has of them is at `/dance/draw/NAME`."""
+"""The styles; each group's amount of a style is at `/dance/draw/NAME`."""
 MOST_GHOSTS: Final = 8
 LONGEST_RIBBON: Final = 8.0
 """[beats]"""
@@ -87,17 +75,17 @@ STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, 
     ("sheen", "number", 0, 3, (1.0,), "", "How much their clothes shine in the light."),
     ("emission", "number", 0, 2, (0.0,), "", "How much their clothes give light of their own."),
 )
-"""Name under `/dance/draw/`, kind, least, most, start, unit, words."""
+"""Name under `/dance/draw/`, kind, minimum, maximum, start, unit, description."""
 
 
 _Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
 
 SPOTS: Final = SPOT_CAPACITY
-"""Follow spots there are."""
+"""Number of follow spots."""
 
 
 BACKGROUNDS: Final = 8
-"""Images and videos behind the dancers that a patch can have."""
+"""Maximum number of background images and videos of a patch."""
 
 
 def _spot(number: int) -> tuple[_Line, ...]:
@@ -154,15 +142,15 @@ LIGHT_LINES: Final[tuple[_Line, ...]] = (
     ),
     *(line for number in range(1, SPOTS + 1) for line in _spot(number)),
 )  # fmt: skip
-"""Address, kind, least, most, start, unit, words."""
+"""Light and backgrounds: address, kind, minimum, maximum, start, unit, description."""
 BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/top", "/dance/background/bottom")
-"""Those of them that the kept backdrop shows."""
+"""Parameters that the cached backdrop depends on."""
 
 
 Float64 = npt.NDArray[np.float64]
 
 GROUPS: Final = 16
-"""Groups that have a colour of their own."""
+"""Number of groups with their own colour."""
 COLOUR_OF_GROUP: Final = "/dance/group/colour"
 
 
@@ -175,20 +163,20 @@ class PictureParameter:
     low: float
     high: float
     start: tuple[float, ...]
-    """Where it is if patch and scene say nothing."""
+    """Value if neither patch nor scene sets it."""
     unit: str
     words: str
     first: int
-    """Where its first number lies in the row."""
+    """Index of its first number in the row."""
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of its components."""
         return 1 if self.kind == "number" else 3
 
     @property
     def where(self) -> slice:
-        """Its numbers in the row."""
+        """Slice of its numbers in the row."""
         return slice(self.first, self.first + self.size)
 
 
@@ -255,22 +243,22 @@ def _laid_out() -> tuple[PictureParameter, ...]:
 
 
 PARAMETERS: Final = _laid_out()
-"""All of them but what every group has for itself, in the order of the row."""
+"""All parameters except those of groups, in the order of the row."""
 BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
 OWN: Final = slice(
     PARAMETERS[-1].first + PARAMETERS[-1].size, PARAMETERS[-1].first + PARAMETERS[-1].size + MOST_PASSES * NUMBERS
 )
-"""The numbers of a patch's own passes (`own_pass.own_numbers`)."""
+"""The numbers of a patch's custom passes (`custom_pass.own_numbers`)."""
 COLOURS: Final = OWN.stop
-"""Where the groups' colours begin, three numbers for each."""
+"""Index of the groups' colours, three numbers for each."""
 STYLES: Final = COLOURS + 3 * GROUPS
-"""Where the groups' styles begin, `STYLE_SIZE` numbers for each."""
+"""Index of the groups' styles, `STYLE_SIZE` numbers for each."""
 STYLE_OF_GROUP: Final = "/dance/draw/"
-"""What the addresses of all styles begin with."""
+"""Prefix of the addresses of all styles."""
 
 
 def colour_of_group(group: int) -> PictureParameter:
-    """The colour of a group, by its index below `GROUPS`."""
+    """Return the colour parameter of a group, by its index below `GROUPS`."""
     words = "Colour of the clothes of a group."
     return PictureParameter(COLOUR_OF_GROUP, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS + 3 * group)
 
@@ -285,14 +273,14 @@ def _styles() -> dict[str, PictureParameter]:
 
 
 OF_GROUPS: Final = {COLOUR_OF_GROUP: colour_of_group(0)} | _styles()
-"""What every group has for itself, by address, where the first group has it."""
+"""The parameters that every group has, by address, with the positions of the first group."""
 STYLE_SIZE: Final = sum(known.size for known in OF_GROUPS.values()) - 3
 SIZE: Final = STYLES + STYLE_SIZE * GROUPS
-"""Numbers of the row."""
+"""Length of the row."""
 
 
 def of_group(address: str, group: int) -> PictureParameter:
-    """The parameter of `OF_GROUPS` at an address, of a group by its index below `GROUPS`."""
+    """Return the parameter of `OF_GROUPS` at an address, for a group by its index below `GROUPS`."""
     known = OF_GROUPS[address]
     stride = 3 if address == COLOUR_OF_GROUP else STYLE_SIZE
     return replace(known, first=known.first + stride * group)
@@ -306,7 +294,7 @@ EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
 TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
 FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
 ROLL: Final = BY_ADDRESS["/dance/camera/roll"].first
-"""Here begin, side by side: roll, lens shift to the right and upwards, stretch, skew."""
+"""Index of roll; lens shift to the right and upwards, stretch and skew follow."""
 ORBIT: Final = BY_ADDRESS["/dance/camera/orbit"].first
 FOLLOWING: Final = BY_ADDRESS["/dance/camera/following"].first
 ALONG: Final = BY_ADDRESS["/dance/camera/along"].first
@@ -316,20 +304,20 @@ SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
 MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
 VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
 CAMERA: Final = slice(EYE.start, PLAN + 1)
-"""The camera's numbers, which lie side by side."""
+"""The camera's numbers, which are contiguous."""
 LENS: Final = slice(EYE.start, ORBIT)
-"""Those of them that a picture depends on: where the camera is, and how it sees."""
+"""The camera's numbers that define the projection: position, direction and lens."""
 STANDING: Final = _where(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
     *BACKDROP_PARAMETERS,
     *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
 )  # fmt: skip
-"""The numbers on which floor, back wall and light in the haze depend: what the renderer keeps while they stand."""
+"""The numbers on which floor, back wall and haze depend: the renderer keeps these until one changes."""
 
 
 def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float]]:
-    """A camera's values by address: places [m], angles [degrees], the others are shares."""
+    """Return a camera's values by address: positions [m], angles [degrees], the others are ratios."""
     return {
         "/dance/camera/eye": camera.eye,
         "/dance/camera/target": camera.target,
@@ -343,7 +331,7 @@ def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float
 
 
 def picture_of(scene: Scene) -> Float64:
-    """The row of a scene's camera and look, shape (SIZE,): float64, so that it is exactly what the scene says."""
+    """Return the row of a scene's camera and look, shape (SIZE,): float64, so that the scene's values are exact."""
     row = np.zeros(SIZE)
     look, camera = scene.look, scene.camera
     said: dict[str, float | tuple[float, ...]] = {
@@ -378,14 +366,14 @@ def picture_of(scene: Scene) -> Float64:
 
 
 def _drawn(look: Look, group: int) -> Float64:
-    """The numbers of a group's styles, shape (STYLE_SIZE,): the table's, and what the look says of this group."""
+    """Return the numbers of a group's styles, shape (STYLE_SIZE,): the table's start values, overridden by the look."""
     said = dict(look.group_styles[group]) if group < len(look.group_styles) else {}
     numbers = [said.get(address, known.start) for address, known in OF_GROUPS.items() if address != COLOUR_OF_GROUP]
     return np.concatenate([np.atleast_1d(np.asarray(value, np.float64)) for value in numbers])
 
 
 def camera_of(row: Float64) -> Camera:
-    """The camera of a row."""
+    """Return the camera of a row."""
     eye, target = row[EYE].tolist(), row[TARGET].tolist()
     roll, right, up, stretch, skew = row[ROLL : ROLL + 5].tolist()
     angle = float(row[FIELD_OF_VIEW])

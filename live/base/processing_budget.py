@@ -1,24 +1,24 @@
-"""Allowance: how many values may act in a frame, so that a flood of them costs a frame little (a token bucket).
+"""Limit on values processed in a frame (a token bucket), so that a flood of values costs a frame little.
 
-A hand, or a program that means well, never notices. In a flood there are fewer than else: what each value costs is the
-frame's, and of one that is replaced a thousand times a second hardly one more is worth that.
+Manual operation and normal programs stay below it. In a flood the limit is lower than usual: each value costs frame
+time, and of a value that is replaced a thousand times a second only few are needed.
 """
 
 from typing import Final
 
 BURST: Final = 128.0
 PER_SECOND: Final = 512.0
-"""Values: so many at once, after a pause, and so many more each second ..."""
+"""Values per second in the long run; after a pause `BURST` values at once."""
 FLOODED_PER_SECOND: Final = 128.0
-"""... or only so many, ..."""
+"""Values per second during a flood ..."""
 FLOOD: Final = 4000.0
-"""... while more than these come in a second."""
+"""... which is more than this many values offered per second."""
 ROUND: Final = 0.25
-"""Seconds over which what is offered is counted."""
+"""Seconds over which the offered values are counted."""
 
 
 class Allowance:
-    """One taker's. Thread: one."""
+    """The limit of one consumer. Thread: one."""
 
     def __init__(self) -> None:
         self._left, self._rate = BURST, PER_SECOND
@@ -26,7 +26,8 @@ class Allowance:
         self._counted = 0
 
     def left(self, now: float, offered: int) -> int:
-        """How many may act at `now` [s]; `offered`: how many have come since the start, acted upon or not."""
+        """Return how many values may be processed at `now` [s]; `offered`: values received since the start, processed
+        or not."""
         if now - self._counted_at >= ROUND:
             flooded = offered - self._counted > FLOOD * (now - self._counted_at)
             self._rate = FLOODED_PER_SECOND if flooded else PER_SECOND
@@ -36,5 +37,5 @@ class Allowance:
         return int(self._left)
 
     def spend(self, count: int) -> None:
-        """So many acted."""
+        """Count processed values."""
         self._left = max(self._left - count, 0.0)

@@ -1,10 +1,10 @@
-"""A projector's perspective: from where it stands, and where its picture has the corners of the stage's floor.
+"""Projector calibration: the camera for a projector's position and the floor corners in its picture.
 
-Four points of a plane and their images are a homography (eight numbers); with the place of the eye it says the whole
-projection but its scale: for floor points (x, z) it is M [e_x | e_z | -eye], so M = H [e_x | e_z | -eye]^-1, and M is
-the lens times the rotation, taken apart by RQ (Hartley and Zisserman 2004, 4.1 and 6.2.4). The corners are met exactly,
-whatever keystone correction lies between; what that leaves beside lens shift is `stretch` and `skew`, which are 1 and 0
-where place and corners agree.
+Four points of a plane and their images define a homography (eight numbers). With the position of the eye it defines
+the whole projection but its scale: for floor points (x, z) it is M [e_x | e_z | -eye], so M = H [e_x | e_z | -eye]^-1,
+and M is the lens times the rotation, split by RQ (Hartley and Zisserman 2004, 4.1 and 6.2.4). The corners are met
+exactly, with any keystone correction in between; what lens shift cannot explain becomes `stretch` and `skew`, which
+are 1 and 0 where position and corners agree.
 """
 
 from collections.abc import Sequence
@@ -21,19 +21,19 @@ Float64 = npt.NDArray[np.float64]
 CORNERS: Final = ("back left", "back right", "front right", "front left")
 """The order of a stage's corners, as the audience sees them."""
 LEAST: Final = 1e-4
-"""Corners that span less than this share of the picture span nothing."""
+"""Corners that span less than this share of the picture are degenerate."""
 ANGLES: Final = (5.0, 120.0)
 """Vertical angles of view that a camera can have [degrees]."""
 
 
 def floor_corners(width: float, depth: float) -> Float64:
-    """The corners (x, z) [m] of a stage's floor in the order of `CORNERS`, shape (4, 2)."""
+    """Return the corners (x, z) [m] of a stage's floor in the order of `CORNERS`, shape (4, 2)."""
     x, z = 0.5 * width, 0.5 * depth
     return np.array([[-x, -z], [x, -z], [x, z], [-x, z]])
 
 
 def homography(begin: Float64, end: Float64) -> Float64:
-    """The matrix (3, 3) that takes four points (x, y) to four others: `(x, y, 1)` to a multiple of `(u, v, 1)`.
+    """Return the matrix (3, 3) that maps four points (x, y) to four others: `(x, y, 1)` to a multiple of `(u, v, 1)`.
 
     numpy.linalg.LinAlgError if three of the points lie on a line.
     """
@@ -62,11 +62,11 @@ def check_corners(corners: Sequence[Sequence[float]]) -> None:
 def matched(
     at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float
 ) -> Camera:
-    """The camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
+    """Return the camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
 
     `corners` (4, 2): u to the right, v down, 0..1, in the order of `CORNERS`; `stage`: width, depth [m]; `aspect`: the
-    picture's width / height. PersonError for what cannot be: corners that cross, an eye on the floor, or one from which
-    no picture looks so.
+    picture's width / height. PersonError for impossible input: corners that cross, an eye on the floor, or an eye from
+    which no picture looks so.
     """
     check_corners(corners)
     eye = np.asarray(at, np.float64)
@@ -80,7 +80,7 @@ def matched(
 
 
 def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camera:
-    """A projection without its place, (3, 3), taken apart into a camera's numbers."""
+    """Split a projection without its position, (3, 3), into a camera's numbers."""
     ways = np.stack([floor[:, 0] - eye[0], np.full(4, -eye[1]), floor[:, 1] - eye[2]], axis=1)
     whole = whole / np.linalg.norm(whole[2])
     depth = ways @ whole[2]

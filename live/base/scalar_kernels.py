@@ -1,4 +1,4 @@
-"""Scalar kernels that others build on: angles, eases, dampers."""
+"""Scalar kernels for use in other kernels: angle wrap, ease, damper."""
 
 import math
 
@@ -7,7 +7,7 @@ from live.base.jit import kernel
 
 @kernel("f8(f8)")
 def angle_wrap(angle: float) -> float:
-    """The same angle in [-π, π) (radians)."""
+    """Return the same angle in [-π, π) (radians)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 

@@ -1,4 +1,4 @@
-"""Items of the set as they are drawn: boxes, cylinders and steps, as triangles in stage coordinates."""
+"""Geometry of set items (boxes, cylinders and steps) as triangles in stage coordinates."""
 
 import math
 from dataclasses import dataclass
@@ -12,27 +12,27 @@ Float32 = npt.NDArray[np.float32]
 Form = Literal["box", "cylinder", "steps"]
 
 SIDES: Final = 32
-"""Sides of what is drawn round."""
+"""Number of sides of a cylinder."""
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One item: what it is, its middle (x, z) [m], width, height and depth [m]."""
+    """One item: form, centre (x, z) [m], width, height and depth [m]."""
 
     form: Form
     at: tuple[float, float]
     size: tuple[float, float, float]
     turn_deg: float = 0.0
-    """How far it is turned, as a dancer's heading."""
+    """Rotation, as a dancer's heading [degrees]."""
     lift: float = 0.0
-    """Its underside above the floor [m]."""
+    """Height of its underside above the floor [m]."""
     colour: tuple[float, float, float] = (0.10, 0.10, 0.12)
     steps: int = 4
-    """How many steps there are; they rise away from the audience."""
+    """Number of steps; they rise away from the audience."""
 
 
 def triangles_of(item: Item) -> tuple[Float32, Float32]:
-    """Corners and normals of its triangles, each (T, 3, 3), counter-clockwise seen from outside."""
+    """Return corners and normals of its triangles, each (T, 3, 3), counter-clockwise seen from outside."""
     if item.form == "cylinder":
         corners, normals = _cylinder()
     elif item.form == "steps":
@@ -51,7 +51,7 @@ def triangles_of(item: Item) -> tuple[Float32, Float32]:
 
 
 def _stairs(count: int) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]:
-    """Boxes side by side, each higher than the one before it, from the audience's side on."""
+    """Return adjacent boxes, each higher than the one before it, starting at the audience's side."""
     edges = [0.5 - n / count for n in range(count + 1)]
     return [((-0.5, 0.0, edges[n + 1]), (0.5, (n + 1) / count, edges[n])) for n in range(count)]
 

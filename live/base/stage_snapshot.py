@@ -1,4 +1,4 @@
-"""What the renderer sees: a `Scene` (set once per show) and a `StageView` (refilled each frame); nothing else.
+"""The renderer's input: a `Scene` (set once per show) and a `StageView` (refilled each frame).
 
 Metres, seconds, radians, beats; right-handed, Y up, +x to the right as the audience sees it, +z towards the
 audience, the origin at the centre of the stage floor.
@@ -32,45 +32,45 @@ PURSUE: Final = 8
 EVADE: Final = 9
 PATH: Final = 10
 VOICE: Final = 11
-"""An attractor that is one of an audience's many."""
+"""The attractor of one audience member."""
 PHONE: Final = 12
-"""Only drawn: the light of a phone of the audience, in its colour."""
+"""The light of an audience member's phone, in its colour; drawn only."""
 UNIFORM: Final = 0
 RADIAL: Final = 1
 VORTEX: Final = 2
 DRAWN: Final = 3
 GRID: Final = 4
 ELEMENT_CAPACITY: Final = 256
-"""Elements drawn at most; all of them act, only these are drawn."""
+"""Maximum number of elements drawn; the others still act."""
 ELEMENT_CORNERS: Final = 1024
-"""Corners of all lines and regions together that are drawn at most."""
+"""Maximum number of drawn corners of all lines and regions together."""
 SET_CAPACITY: Final = 64
-"""Obstacles, and walls, drawn at most."""
+"""Maximum number of obstacles drawn, and of walls."""
 GUIDE_CAPACITY: Final = 8192
-"""Strokes of the operator's guides drawn at most."""
+"""Maximum number of strokes of the operator's guides."""
 LIGHT_CAPACITY: Final = 32
-"""Lights of an audience's phones drawn at most."""
+"""Maximum number of phone lights drawn."""
 SPOT_CAPACITY: Final = 4
-"""Follow spots."""
+"""Number of follow spots."""
 FLOOR_MARGIN: Final = 2.5
-"""How far the floor's map of shadows and elements reaches beyond the scene's stage [m]."""
+"""Margin of the floor's shadow and element map around the scene's stage [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """Where the audience sits: eye and target [m], vertical field of view [degrees]."""
+    """The audience's view: eye and target [m], vertical field of view [degrees]."""
 
     eye: tuple[float, float, float] = (0.0, 3.4, 11.5)
     target: tuple[float, float, float] = (0.0, 0.9, 0.0)
     field_of_view_deg: float = 40.0
     roll_deg: float = 0.0
-    """How far it is turned about its axis, clockwise as seen from behind."""
+    """Rotation about its axis, clockwise as seen from behind [degrees]."""
     shift: tuple[float, float] = (0.0, 0.0)
-    """Lens shift: so many of its widths to the right, of its heights above the axis lies the middle of the picture."""
+    """Lens shift of the picture's centre: to the right in picture widths, upwards in picture heights."""
     stretch: float = 1.0
-    """How much wider than high a square that faces the camera is drawn."""
+    """Drawn width / height of a square that faces the camera."""
     skew: float = 0.0
-    """How far a square's upper edge is pushed to the right, in parts of its height."""
+    """Shift of a square's upper edge to the right, as a share of its height."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,16 +85,17 @@ class Look:
     ambient: float = 0.10
     haze: float = 0.035
     level: float = 1.0
-    """All light together."""
+    """Factor on all light."""
     key: float = 1.0
     rim: float = 1.0
     """Strength of key and rim light."""
     ambient_colour: Colour = (1.0, 1.0, 1.0)
-    """Tint of the light from everywhere."""
+    """Tint of the ambient light."""
     saturation: float = 1.0
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
     group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
-    """How each group is drawn: addresses of `picture_parameters.OF_GROUPS` with their numbers; the rest is as usual."""
+    """Style of each group: addresses of `picture_parameters.OF_GROUPS` with their numbers; the rest has its
+    defaults."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,25 +103,25 @@ class Background:
     """An image or a video behind the dancers."""
 
     file: str
-    """Its whole path; empty: it was lost while the show ran, and nothing is seen of it."""
+    """Absolute path; empty if the file was lost during the show: nothing is drawn."""
     fit: str = "wall"
     """On the `wall` behind the stage, or over the whole `picture`."""
     beats: float | None = None
-    """A video comes again in so many beats; None: as fast as it is."""
+    """Loop length of a video in beats; None: its own speed."""
     width: float | None = None
-    """On the wall [m]; None: half as wide again as the stage."""
+    """Width on the wall [m]; None: 1.5 times the stage width."""
     bottom: float = 0.0
-    """Its lower edge above the floor [m]."""
+    """Height of its lower edge above the floor [m]."""
     brightness: float = 1.0
 
 
 PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
-"""The passes of a picture, in their order."""
+"""The built-in passes in drawing order."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What a patch begins with: stage size (width, depth) [m], camera, look, number of dancers.
+    """Initial scene of a patch: stage size (width, depth) [m], camera, look, number of dancers.
 
     Camera and look may change while a show runs: `StageView.picture`.
     """
@@ -131,20 +132,21 @@ class Scene:
     dancer_count: int
     joint_count: int
     backgrounds: tuple[Background, ...] = ()
-    """Images and videos behind the dancers; `/dance/background/1` is how much of the first one is seen."""
+    """Images and videos behind the dancers; `/dance/background/1` is the amount of the first one."""
     items: tuple[Item, ...] = ()
     """Boxes, cylinders and steps that stand on the stage."""
     passes: tuple[str, ...] = PASSES
-    """Which passes there are, in their order; those that are left out are never drawn."""
+    """The passes in drawing order; passes left out are never drawn."""
     own: tuple[OwnPass, ...] = ()
-    """Passes that the patch brings itself; their names stand among `passes`."""
+    """The patch's custom passes; their names are listed in `passes`."""
     start: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """Parameters of the picture that do not begin where they usually do: addresses and numbers."""
+    """Picture parameters with a non-default start value: addresses and numbers."""
     bodies: tuple[str, ...] = ()
-    """Name of each dancer's body (`live.base.body_catalogue`, or a character's), from the first dancer on; the others
-    have the usual one."""
+    """Name of each dancer's body (in `live.base.body_catalogue`, or a character's), from the first dancer on; the rest
+    have the default body.
+    """
     characters: tuple[CharacterFile, ...] = ()
-    """Bodies that come out of files."""
+    """Bodies that are loaded from files."""
 
 
 @dataclass(slots=True, eq=False)
@@ -158,27 +160,27 @@ class StageView:
     group: Int32
     """Group of each dancer, shape (A,): the index of its colour."""
     present: Bool
-    """Who is on the stage or on her way in or out, shape (A,); the others are not drawn."""
+    """Whether each dancer is on the stage, entering or leaving, shape (A,); the others are not drawn."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
-    """Stage positions (x, z) [m] of the elements in force, shape (256, 2); the first `element_count` count."""
+    """Stage positions (x, z) [m] of the active elements, shape (256, 2); the first `element_count` are valid."""
     element_level: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
-    """How strongly each element acts now, 0 to 1 (it fades in and out), shape (256,)."""
+    """Current strength of each element, 0 to 1 (it fades in and out), shape (256,)."""
     element_radius: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
-    """Makes a disc of a point and a broad line of a line [m], shape (256,)."""
+    """Radius of a point element, half width of a line [m], shape (256,)."""
     element_strength: Float32 = field(default_factory=lambda: np.ones(ELEMENT_CAPACITY, np.float32))
-    """1 is usual; a flow below 0 goes the other way, shape (256,)."""
+    """Strength; 1 is the default; a negative flow is reversed, shape (256,)."""
     element_flow: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
-    """UNIFORM to GRID, of elements of kind FLOW, shape (256,)."""
+    """Flow type of elements of kind FLOW, UNIFORM to GRID, shape (256,)."""
     element_first: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
-    """Where the corners of each line or region begin in `element_corner`, shape (256,)."""
+    """Index of each line's or region's first corner in `element_corner`, shape (256,)."""
     element_corners: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
-    """How many corners each element has there, shape (256,); below 2: it is a point at `element_position`."""
+    """Number of corners of each element, shape (256,); below 2: a point at `element_position`."""
     element_corner: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CORNERS, 2), np.float32))
-    """Corners (x, z) [m] of all elements, shape (1024, 2); the last one of a closed line is its first one again."""
+    """Corners (x, z) [m] of all elements, shape (1024, 2); a closed line repeats its first corner at the end."""
     element_count: int = 0
     light: Float32 = field(default_factory=lambda: np.zeros((LIGHT_CAPACITY, 5), np.float32))
-    """Lights of an audience's phones: x, z [m], hue 0 to 1, level 0 to 1, and 1 for one that repels; shape (32, 5)."""
+    """Phone lights: x, z [m], hue 0 to 1, level 0 to 1, and 1 for one that repels; shape (32, 5)."""
     light_count: int = 0
     obstacle: Float32 = field(default_factory=lambda: np.zeros((SET_CAPACITY, 4), np.float32))
     """Round obstacles: x, z, radius [m], and 1 for an item of the set, 0 for a real dancer; shape (64, 4)."""
@@ -195,31 +197,31 @@ class StageView:
     beats_per_measure: int = 4
     tempo: float = 120.0
     stage_size: tuple[float, float] = (0.0, 0.0)
-    """Width and depth of the stage now [m]; 0: as in the scene."""
+    """Current width and depth of the stage [m]; 0: as in the scene."""
     brightness: float = 1.0
     """1 = full light, 0 = blackout."""
     flashes: bool = False
     """Whether the limit on flashes is lifted."""
     filled: bool = False
-    """Whether a moment was written into it: what a frozen picture goes on showing."""
+    """Whether it has been filled; a frozen picture keeps showing it."""
     picture: Float64 | None = None
-    """Light, colours and camera now: the row of `live.base.picture_parameters`; None: as in the scene."""
+    """Current light, colours and camera: the row of `live.base.picture_parameters`; None: as in the scene."""
     energy: float = 0.5
     """Energy of the music, 0 to 1."""
     spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_CAPACITY, 2)))
-    """Where the follow spots are (x, z) [m], shape (4, 2)."""
+    """Positions of the follow spots (x, z) [m], shape (4, 2)."""
     count_in: float = 0.0
-    """Beats until a cue that was given happens; 0: none is counting in."""
+    """Beats until the cue that is counting in; 0: none."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
     guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))
-    """Strokes of the operator's guides: from x, y, z to x, y, z [m], colour r, g, b, a as shown; shape (8192, 10)."""
+    """Strokes of the operator's guides: from x, y, z to x, y, z [m], displayed colour r, g, b, a; shape (8192, 10)."""
     guide_count: int = 0
-    """How many of them are drawn; 0 = hidden."""
+    """Number of strokes drawn; 0 = hidden."""
 
     @staticmethod
     def allocate(dancer_count: int, joint_count: int) -> "StageView":
-        """A view for `dancer_count` dancers of `joint_count` joints, all at the origin."""
+        """Return a view for `dancer_count` dancers of `joint_count` joints, all at the origin."""
         rotation = np.zeros((dancer_count, joint_count, 4), np.float32)
         rotation[..., 0] = 1.0
         return StageView(

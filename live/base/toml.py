@@ -1,11 +1,7 @@
-"""Which line of a TOML text a key stands on, so that messages about a value can name it.
+"""TOML texts for messages: the line of each key, remedies for syntax errors, and safe parsing.
 
-`tomllib` gives values without places. This scanner reads a text that `tomllib` has already accepted and only follows
-keys, tables, strings and brackets; it judges nothing.
-
-What to type where a text is no TOML: `tomllib` says what it met, and a person has to know what would do.
-
-The text of a TOML file as plain values, whoever wrote it: what `tomllib` stumbles over is no valid TOML either.
+`tomllib` gives values without positions. The scanner here reads a text that `tomllib` has accepted, follows only
+keys, tables, strings and brackets, and checks nothing.
 """
 
 import contextlib
@@ -24,18 +20,18 @@ _HEX_DIGITS: Final = {"x": 2, "u": 4, "U": 8}
 
 
 def toml_lines(text: str) -> dict[KeyPath, int]:
-    """Line (from 1) of every key, table header and array element of a valid TOML text, by its path.
+    """Return the line (from 1) of every key, table header and array element of a valid TOML text, by its path.
 
-    Elements of an array of tables stand on their own header's line. An invalid text gives what was understood.
+    Elements of an array of tables have the line of their own header. Of an invalid text, return the part understood.
     """
     scanner = _Scanner(text)
-    with contextlib.suppress(IndexError, ValueError):  # not TOML after all: tomllib says so better than this could
+    with contextlib.suppress(IndexError, ValueError):  # not TOML after all: tomllib's message is better
         scanner.document()
     return scanner.lines
 
 
 def line_of(lines: dict[KeyPath, int], path: KeyPath) -> int:
-    """Line of `path`, or of its nearest ancestor that stands in the file; 1 if there is none."""
+    """Return the line of `path`, or of its nearest ancestor in the file; 1 if there is none."""
     for length in range(len(path), 0, -1):
         if path[:length] in lines:
             return lines[path[:length]]
@@ -43,7 +39,7 @@ def line_of(lines: dict[KeyPath, int], path: KeyPath) -> int:
 
 
 def error_line(message: str, text: str) -> int:
-    """Line that a `tomllib.TOMLDecodeError` message speaks of ("at line 3, column 5"; else the last line)."""
+    """Return the line named in a `tomllib.TOMLDecodeError` message ("at line 3, column 5"; else the last line)."""
     found = _ERROR_LINE.search(message)
     return int(found.group(1)) if found else text.count("\n") + 1
 
@@ -75,7 +71,7 @@ class _Scanner:
             self.lines.setdefault(path, line)
             if position == len(keys) - 1 and many:
                 self.array_tables[path] = self.array_tables.get(path, -1) + 1
-            if path in self.array_tables:  # a header below [[group]] speaks of its latest element
+            if path in self.array_tables:  # a header below [[group]] belongs to its latest element
                 path += (self.array_tables[path],)
                 self.lines.setdefault(path, line)
         return path
@@ -101,7 +97,7 @@ class _Scanner:
             start = self.at
             while self.at < len(self.text) and self.text[self.at] not in ",]}#\n":
                 self.at += 1
-            if self.at == start:  # `[}` or `[,`: no value at all, and an array would look for one here for ever
+            if self.at == start:  # `[}` or `[,`: no value; without this error, `_array` would loop for ever
                 raise ValueError(start)
 
     def _array(self, path: KeyPath) -> None:
@@ -158,7 +154,9 @@ class _Scanner:
             if self.at >= len(self.text):
                 raise ValueError(start)
         self.at += len(fence)
-        while len(fence) == 3 and self.text[self.at : self.at + 1] == quote:  # """ may end with quotes of its own
+        while (
+            len(fence) == 3 and self.text[self.at : self.at + 1] == quote
+        ):  # """ may be preceded by quotes that belong to the text
             self.at += 1
         return "".join(characters)
 
@@ -174,7 +172,7 @@ class _Scanner:
         return _ESCAPES.get(letter, "")
 
     def _skip(self, *, newlines: bool) -> bool:
-        """Move over blanks, comments and, if asked, line ends; whether anything is left."""
+        """Skip blanks, comments and, if asked, line ends; return whether anything is left."""
         while self.at < len(self.text):
             character = self.text[self.at]
             if character == "#":
@@ -215,7 +213,7 @@ _REMEDIES: Final = (
 
 
 def toml_remedy(message: str, text: str, line: int) -> str:
-    """What would mend what a `tomllib.TOMLDecodeError` says of `line` (from 1) of `text`."""
+    """Return the remedy for a `tomllib.TOMLDecodeError` message about `line` (from 1) of `text`."""
     lines = text.splitlines()
     written = lines[line - 1] if 0 < line <= len(lines) else ""
     if message.startswith("Cannot declare"):
@@ -228,7 +226,7 @@ def toml_remedy(message: str, text: str, line: int) -> str:
 
 
 def _of_value(written: str) -> str:
-    """What would do in place of the value of a line."""
+    """Return the remedy for a line with an invalid value."""
     found = _ASSIGNED.match(written)
     value = "" if found is None else found["value"].partition("#")[0].strip()
     if value.lower() in ("true", "false"):
@@ -245,18 +243,19 @@ def _of_value(written: str) -> str:
 
 
 MOST_KEYS: Final = 32
-"""Keys joined by dots at most: `tomllib` takes the square of their number, and who walks the tables goes as deep."""
+"""Maximum number of keys joined by dots: `tomllib` takes quadratic time, and code that walks the tables recurses as
+deep."""
 _JOINED: Final = re.compile(
     r"""(?<![\w.'"-])(?:(?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]++)[ \t]*+\.[ \t]*+){""" + str(MOST_KEYS) + "}"
 )
 _DIGITS: Final = re.compile(r"[0-9][0-9_]{3999}|0[xob][0-9A-Fa-f_]{17}")
-"""A number that `int` refuses to read, or one that it refuses to write again."""
+"""A number with too many digits for `int`, or for conversion back to text."""
 
 
 def toml_values(text: str) -> dict[str, Any]:
-    """What a text says; tomllib.TOMLDecodeError, with the line in its message, for all that cannot be used.
+    """Return the values of a text; tomllib.TOMLDecodeError, with the line in its message, for everything unusable.
 
-    RecursionError for brackets in brackets without end.
+    RecursionError for too deeply nested brackets.
     """
     joined = _JOINED.search(text)
     if joined is not None:
@@ -274,7 +273,7 @@ def toml_values(text: str) -> dict[str, Any]:
 
 
 def _whole_numbers(values: object) -> Iterator[int]:
-    """All whole numbers within tables and lists."""
+    """Return all integers within tables and lists."""
     waiting = [values]
     while waiting:
         value = waiting.pop()

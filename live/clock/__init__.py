@@ -1,4 +1,4 @@
-"""The clock turns what is heard, tapped or received into musical time: tempo, beat, downbeat and phase.
+"""The `clock` layer: musical time (tempo, beat, downbeat and phase) from audio, taps or received clock signals.
 
 It may import `base`.
 """

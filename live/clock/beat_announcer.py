@@ -1,4 +1,4 @@
-"""Announcer: names each beat once, shortly before it comes, and corrects the name while the beat is still ahead."""
+"""Look-ahead announcement of beats: each beat is reported once, shortly before it falls, and corrected if it moves."""
 
 import math
 from typing import Final
@@ -7,27 +7,27 @@ from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.beat_estimate import BeatEstimate
 
 LEAD: Final = 0.08
-"""A beat is named when it is this near [s]."""
+"""A beat is announced when it is this near [s]."""
 
 MOVED: Final = 0.008
-"""A beat that is still ahead is named again when it is believed to lie this far [s] from where it was said."""
+"""A beat that is still ahead is announced again if its estimated time has moved this far [s]."""
 
 LATEST: Final = 0.045
-"""A beat that was overlooked (the grid jumped) is still named until it is this long past [s]."""
+"""A beat that was missed (the grid jumped) is still announced until it is this long past [s]."""
 
 APART: Final = 0.5
-"""Two beats are at least this far apart, in periods."""
+"""Minimum distance of two beats in periods."""
 
 BIAS: Final = -0.005
-"""What is added to every beat's time [s]: instruments are heard this much after the note that is the beat.
+"""Correction of every beat's time [s]: instruments are detected this long after the note that is the beat.
 
-Set after the open excerpts had read 9 ms late, so their bias is no independent figure; made music then reads 3 to 4 ms
-early.
+It was set after the open excerpts had read 9 ms late, so their bias is no independent figure; synthetic music then
+reads 3 to 4 ms early.
 """
 
 
 class Announcer:
-    """Turns a bar pointer's grid into beats. All times are seconds of sound."""
+    """Turns a bar pointer's grid into beats. All times are seconds of audio."""
 
     def __init__(self) -> None:
         self._last = -math.inf
@@ -35,9 +35,9 @@ class Announcer:
     def beat(
         self, pointer: BarPointer, moment: float, heard: float, hop: float, confidence: float
     ) -> BeatEstimate | None:
-        """The beat that is to be named now, if any.
+        """Return the beat to be announced now, if any.
 
-        moment: what the pointer's last frame spoke of; heard: how much sound has been fed; hop: seconds a frame.
+        moment: the time that the pointer's last frame describes; heard: seconds of audio fed; hop: seconds per frame.
         """
         period = pointer.interval * hop
         if period <= 0.0:

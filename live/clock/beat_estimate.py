@@ -1,7 +1,4 @@
-"""BeatEstimate: one beat as a tracker of sound hears it.
-
-Consensus: what several beat estimates say together, against octave errors and single wild ones.
-"""
+"""Beat estimates of audio trackers, and their consensus, which is robust against octave errors and outliers."""
 
 import math
 from collections import deque
@@ -14,38 +11,38 @@ import numpy.typing as npt
 from live.clock.timeline import Grid
 
 Samples = npt.NDArray[np.float32]
-"""Sound of one channel, shape (n,), full scale = 1."""
+"""Audio of one channel, shape (n,), full scale = 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class BeatEstimate:
-    """One beat as a tracker hears it; `position` and `heard` are seconds from the first sample fed."""
+    """One beat as estimated by a tracker; `position` and `heard` are seconds from the first sample fed."""
 
     position: float
-    """Where the beat lies [s]; it may lie ahead of what was fed: a prediction."""
+    """Time of the beat [s]; if it is later than `heard`, it is a prediction."""
     period: float
     """Seconds to the next beat."""
     confidence: float
-    """How sure the tracker is, 0 to 1."""
+    """Confidence of the tracker, 0 to 1."""
     heard: float
-    """How much had been fed when the estimate was made [s]."""
+    """Seconds of audio fed when the estimate was made."""
     beat: int = -1
-    """Which beat of its measure it is, from 0; -1 where the tracker does not know."""
+    """Beat of its measure, from 0; -1 if unknown."""
     beats_per_measure: int = 0
-    """0 where the tracker does not know."""
+    """0 if unknown."""
     replaces: float = math.nan
-    """The position under which the same beat was named before, where this corrects it [s]; else NaN."""
+    """The earlier position of the same beat, if this estimate corrects it [s]; else NaN."""
 
 
 MEMORY: Final = 6.0
-"""Seconds an estimate is remembered."""
+"""Seconds for which an estimate is kept."""
 
 FADE: Final = 2.5
-"""Seconds in which an estimate's weight falls to 1/e."""
+"""Time constant of an estimate's weight [s]: it falls to 1/e."""
 
 PERIOD_MIN: Final = 60.0 / 240.0
 PERIOD_MAX: Final = 60.0 / 40.0
-"""Bounds of the beats that dancers are asked to dance to [s]: 240 to 40 bpm."""
+"""Bounds of beat periods for dancing [s]: 240 to 40 bpm."""
 
 PERIOD_TOLERANCE: Final = 0.06
 """Periods that differ less than this (natural logarithm) are the same tempo."""
@@ -54,11 +51,12 @@ PHASE_TOLERANCE: Final = 0.12
 """Beats at this distance from a grid (in beats) support it with a weight of 1/e."""
 
 PREFERENCE_FLOOR: Final = 0.1
-"""What the least expected tempo is worth: enough to be danced to when it is all there is."""
+"""Weight of the least expected tempo: enough to be used if there is no other."""
 
 METRICAL: Final = ((1.0, 1.0, 1.0), (2.0, 1.0, 0.4), (0.5, 0.5, 0.4), (3.0, 1.0, 0.2), (1.0 / 3.0, 1.0 / 3.0, 0.2))
-"""(estimate's period / grid's period, lines it may lie on [beats], weight): a tracker hears every second beat, or
-every half one, without being wrong about where beats are."""
+"""(estimate's period / grid's period, lines it may lie on [beats], weight): a tracker may report every second beat, or
+every half beat, and still be right about the positions of beats.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,30 +70,30 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Preference:
-    """Which tempi to believe first: a bell in octaves around `tempo` [bpm], over a floor: none is forbidden."""
+    """Prior over tempi: a bell in octaves around `tempo` [bpm] over a floor, so that no tempo is excluded."""
 
     tempo: float = 118.0
     octaves: float = 0.8
 
     def of(self, period: float) -> float:
-        """`PREFERENCE_FLOOR` to 1 for a period [s]."""
+        """Return the weight of a period [s], `PREFERENCE_FLOOR` to 1."""
         return max(math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2), PREFERENCE_FLOOR)
 
 
 class Consensus:
-    """The estimates of the last seconds, and how well grids agree with them."""
+    """The estimates of the last seconds, and their agreement with grids."""
 
     def __init__(self) -> None:
         self._heard: deque[Heard] = deque(maxlen=32)
         self.half_beats = False
-        """Whether beats half a beat off support a grid (when somebody tapped which of the two is the beat)."""
+        """Whether beats half a beat off support a grid (after a tap has decided which of the two is the beat)."""
 
     def clear(self) -> None:
-        """Forget all estimates."""
+        """Remove all estimates."""
         self._heard.clear()
 
     def add(self, heard: Heard, now: float) -> None:
-        """Remember an estimate; those older than `MEMORY` are dropped."""
+        """Add an estimate; drop those older than `MEMORY`."""
         self._heard.append(heard)
         while now - self._heard[0].time > MEMORY:
             self._heard.popleft()
@@ -104,7 +102,7 @@ class Consensus:
         return len(self._heard)
 
     def _match(self, grid: Grid, heard: Heard) -> tuple[float, float]:
-        """(how well one estimate's beat lies on a grid, what its metrical level is worth), both 0 to 1."""
+        """Return (how well one estimate's beat lies on a grid, weight of its metrical level), both 0 to 1."""
         for ratio, division, worth in METRICAL:
             if abs(math.log(heard.period / (grid.period * ratio))) < PERIOD_TOLERANCE:
                 if self.half_beats:
@@ -113,7 +111,8 @@ class Consensus:
         return 0.0, 0.0
 
     def support(self, grid: Grid, now: float) -> tuple[float, float]:
-        """(what all estimates say for a grid, the share of them that agrees with it at any metrical level)."""
+        """Return (summed support of all estimates for a grid, share of them that agrees with it at any metrical
+        level)."""
         total = agreed = support = 0.0
         for heard in self._heard:
             weight = heard.weight * math.exp((heard.time - now) / FADE)
@@ -124,11 +123,11 @@ class Consensus:
         return support, agreed / total if total > 0.0 else 0.0
 
     def witnesses(self, grid: Grid) -> list[Heard]:
-        """The estimates that clearly speak for a grid, oldest first."""
+        """Return the estimates that clearly support a grid, oldest first."""
         return [heard for heard in self._heard if self._match(grid, heard)[0] >= 0.4]
 
     def candidates(self) -> list[Grid]:
-        """The grids that the newest estimates propose, with their octaves."""
+        """Return the grids that the newest estimates propose, with their octaves."""
         grids: list[Grid] = []
         for heard in list(self._heard)[-6:]:
             for factor in (1.0, 0.5, 2.0):
@@ -137,9 +136,9 @@ class Consensus:
         return grids
 
     def fitted(self, grid: Grid, now: float) -> Grid:
-        """The grid moved and stretched onto the estimates that support it (weighted least squares).
+        """Return the grid fitted to the estimates that support it (weighted least squares).
 
-        The slope is held by the periods that the witnesses name, as if they were four more beats.
+        The periods of these estimates constrain the slope, weighted as four more beats.
         """
         rows: list[tuple[float, float, float]] = []
         weight_sum = period_sum = 0.0

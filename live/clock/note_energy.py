@@ -1,7 +1,7 @@
-"""NoteEnergy: what the notes that somebody plays are like: how hard, how dense, how many sound, where they lie.
+"""Energy, density, chord size and pitch of played MIDI notes.
 
-Pure: messages come with their times [s], none is read. Time counts in beats, so that the same music at another tempo
-is alike.
+Pure: messages come with their times [s]. Decay is counted in beats, so that the same music at another tempo gives
+the same figures.
 """
 
 import math
@@ -10,17 +10,17 @@ from dataclasses import dataclass
 from typing import Final
 
 HALF: Final = 1.0
-"""Beats in which the energy of a stroke dies away to its half."""
+"""Half-life of a stroke's energy [beats]."""
 WINDOW: Final = 4.0
-"""Beats over which strokes are counted: the weight of one dies away to 1/e within them."""
+"""Window of the stroke density [beats]: a stroke's weight falls to 1/e within it."""
 TOGETHER: Final = 0.03
-"""Seconds within which strokes are one chord, and count once."""
+"""Strokes within this time [s] are one chord and count once."""
 EVERY: Final = 1.0 / 16.0
-"""Seconds from one telling to the next at least."""
+"""Minimum time between two reports [s]."""
 LOWEST_KEY, HIGHEST_KEY = 21, 108
-"""The piano's."""
+"""Range of a piano."""
 SAME: Final = 0.01
-"""Changes of less are not told, until all has died away."""
+"""Smaller changes are not reported, except a decay to 0."""
 NOTE_OFF, NOTE_ON, CONTROLLER = 0x8, 0x9, 0xB
 PEDAL: Final = 64
 SILENT: Final = (120, 123, 124, 125, 126, 127)
@@ -30,23 +30,23 @@ RESET: Final = 0xFF
 
 @dataclass(frozen=True, slots=True)
 class NoteFigures:
-    """What is played, as known at `time` [s]."""
+    """Figures of the music played, at `time` [s]."""
 
     time: float
     beats: float
-    """Beats since this was told last."""
+    """Beats since the last report."""
     energy: float
-    """0 to 1: the hardest of the strokes as they have died away."""
+    """0 to 1: the strongest stroke after its decay."""
     density: float
-    """Strokes per beat; those of a chord are one."""
+    """Strokes per beat; a chord counts once."""
     chord: int
-    """Notes that sound: keys that are down, and those that a pedal holds."""
+    """Number of sounding notes: keys that are down, and notes held by a pedal."""
     pitch: float
-    """0 to 1 over the piano's keys: the mean of what sounds, or last did."""
+    """0 to 1 over the piano's keys: the mean of the sounding notes, or of the last ones."""
 
 
 class NoteEnergy:
-    """Listens to one port's notes. Thread: one at a time."""
+    """Tracks the notes of one port. Thread: one at a time."""
 
     def __init__(self, *, tempo: float = 120.0) -> None:
         """`tempo` [bpm] may be set at any time."""
@@ -55,7 +55,7 @@ class NoteEnergy:
         self._density = 0.0
         self._pitch = 0.5
         self._down: set[tuple[int, int]] = set()  # (channel, key)
-        self._held: set[tuple[int, int]] = set()  # let go while the pedal was down
+        self._held: set[tuple[int, int]] = set()  # released while the pedal was down
         self._pedals: set[int] = set()
         self._struck_at = -math.inf
         self._at = 0.0
@@ -64,7 +64,7 @@ class NoteEnergy:
         self._told = (0.0, 0.0, 0, 0.5)
 
     def receive(self, message: Sequence[int], time: float) -> None:
-        """A message that arrived at `time` [s]; those of no concern to notes change nothing."""
+        """Handle a message that arrived at `time` [s]; messages other than notes, pedals and resets change nothing."""
         if len(message) == 1 and message[0] == RESET:
             self.silence()
         if len(message) != 3 or not 0x80 <= message[0] < 0xC0 or max(message[1:]) > 127:
@@ -80,13 +80,13 @@ class NoteEnergy:
                 self._held.add((channel, key))
 
     def silence(self) -> None:
-        """Nothing sounds any more: the port has gone, or says so."""
+        """End all notes: the port has gone, or has sent a reset."""
         self._down.clear()
         self._held.clear()
         self._pedals.clear()
 
     def advance(self, now: float) -> NoteFigures | None:
-        """What is to be told at `now` [s]; None if that is what was told before, or was told just now."""
+        """Return the figures at `now` [s]; None if they have not changed or were reported just now."""
         self._age(now)
         if now - self._told_at < EVERY:
             return None

@@ -1,6 +1,5 @@
-"""SampleClock: which time of the show belongs to which sample of a device (after Ableton Link's HostTimeFilter).
-
-RateWatch: whether a device delivers as many samples a second as it says.
+"""Mapping of a device's sample numbers to show time (after Ableton Link's HostTimeFilter), and a check of its sample
+rate.
 """
 
 from typing import Final
@@ -8,44 +7,44 @@ from typing import Final
 import numpy as np
 
 RATE_TOLERANCE: Final = 3e-4
-"""How far a device's sample rate may truly be off: 300 ppm; real ones stay within 100."""
+"""Maximum error of a device's sample rate: 300 ppm; real ones stay within 100."""
 
 SPAN_FOR_RATE: Final = 8.0
 """Seconds of observations before the true rate is estimated; until then the nominal one holds."""
 
 BIN_SECONDS: Final = 0.15
 BIN_COUNT: Final = 4
-"""A bin is full after so many seconds of samples, and so many observations at least."""
+"""A bin is full after this many seconds of samples, and at least this many observations."""
 
 BINS: Final = 80
-"""Full bins that are remembered (12 s)."""
+"""Full bins that are kept (12 s)."""
 
 RECENT: Final = 20
-"""Of these the newest say where the line lies now (3 s) ..."""
+"""The newest of these set the line's present offset (3 s) ..."""
 
 LOW: Final = 0.25
 """... at this quantile of their earliest observations."""
 
 SLACK: Final = 0.003
-"""Observations this much earlier than the line [s] move it at once, and bins this much later after `LATE_BINS`."""
+"""Observations this much earlier than the line [s] move it at once; bins this much later do after `LATE_BINS`."""
 
 LATE_BINS: Final = 3
-"""So many full bins (half a second) that are wholly late mean that samples were lost."""
+"""This many full bins (half a second) that are wholly late mean that samples were lost."""
 
 
 class SampleClock:
-    """A robust straight line below (frames counted, time of the callback that brought them).
+    """A robust straight line below (frames counted, time of the callback that delivered them).
 
-    The time stamps that sound servers give are worthless (90 ms of scatter over PulseAudio). Callbacks can be late,
-    by a lot on a busy machine, and come in bunches, but none comes before its samples are there: so the line follows
-    the earliest of each bin of time. If all are late for half a second, samples were lost.
+    The time stamps of sound servers are unusable (90 ms of scatter over PulseAudio). Callbacks may be late, by a lot on
+    a busy machine, and come in bunches, but none comes before its samples exist. The line therefore follows the
+    earliest observation of each bin of time. If all are late for half a second, samples were lost.
     Thread: one at a time.
     """
 
     def __init__(self, sample_rate: float) -> None:
         self.sample_rate = sample_rate
         self.jumps = 0
-        """How often the line was moved because samples were lost, or had been taken for lost."""
+        """Number of times the line was moved because samples were lost, or had wrongly been taken for lost."""
         self._frame = np.zeros(BINS)
         self._late = np.zeros(BINS)
         self._full = 0
@@ -61,7 +60,7 @@ class SampleClock:
         self._late_by = np.full(LATE_BINS, -np.inf)
 
     def observe(self, frame: float, time: float) -> None:
-        """Frame number `frame` was there at `time` [s]."""
+        """Record that frame number `frame` was delivered at `time` [s]."""
         late = time - frame / self.sample_rate
         if not self._observed:
             self._offset, self._middle, self._bin_from = late, frame, frame
@@ -79,11 +78,11 @@ class SampleClock:
             self._close_bin(frame)
 
     def time_of(self, frame: float) -> float:
-        """Time of the show [s] that belongs to a frame number."""
+        """Return the show time [s] of a frame number."""
         return frame / self.sample_rate + self._lateness(frame)
 
     def frame_at(self, time: float) -> float:
-        """Frame number that belongs to a time of the show [s]."""
+        """Return the frame number at a show time [s]."""
         guess = (time - self._offset) * self.sample_rate
         return (time - self._lateness(guess)) * self.sample_rate
 
@@ -91,7 +90,7 @@ class SampleClock:
         return self._offset + self._rate_error * (frame - self._middle) / self.sample_rate
 
     def _shift(self, by: float) -> None:
-        """Samples were lost, or were not after all: the line and all that it rests on moves."""
+        """Move the line and its bins: samples were lost, or were wrongly taken for lost."""
         self._offset += by
         self._late += by
         self._late_by[:] = -np.inf
@@ -131,32 +130,33 @@ WINDOW: Final = 2.0
 """Seconds over which samples are counted."""
 
 WINDOWS: Final = 3
-"""So many windows in a row must say the same."""
+"""Number of consecutive windows that must agree."""
 
 TOLERANCE: Final = 0.03
-"""Share by which a rate may seem wrong: callbacks come in bunches, and 44.1 and 48 kHz lie 9 % apart."""
+"""Relative error at which a rate counts as wrong: callbacks come in bunches, and 44.1 and 48 kHz lie 9 % apart."""
 
 AGREEMENT: Final = 0.02
-"""Share by which the windows may differ; samples that are lost now and then make them differ more."""
+"""Maximum relative difference of the windows; occasional lost samples cause larger ones."""
 
 RATES: Final = np.array([
     8_000.0, 11_025.0, 16_000.0, 22_050.0, 24_000.0, 32_000.0, 44_100.0, 48_000.0, 88_200.0, 96_000.0, 176_400.0,
     192_000.0,
 ])  # fmt: skip
-"""Rates that devices have [Hz]."""
+"""Usual sample rates of devices [Hz]."""
 
 
 class RateWatch:
-    """Counts samples against the clock, and tells the true rate when it is not the one that was promised."""
+    """Measures a device's sample rate, and reports it if it differs from the nominal one."""
 
     def __init__(self, sample_rate: float) -> None:
         self.sample_rate = sample_rate
-        """The rate that holds [Hz]."""
+        """The rate in use [Hz]."""
         self._since: tuple[float, float] | None = None
         self._found: list[float] = []
 
     def observe(self, frame: float, time: float) -> float | None:
-        """Frame number `frame` was there at `time` [s]; returns the true rate [Hz] if it is another one, else None."""
+        """Record frame number `frame` at `time` [s]; return the true rate [Hz] if it differs from the present one, else
+        None."""
         if self._since is None:
             self._since = (frame, time)
             return None
@@ -166,7 +166,7 @@ class RateWatch:
         self._since = (frame, time)
         rate = frames / seconds
         if seconds > 2.0 * WINDOW or abs(rate / self.sample_rate - 1.0) <= TOLERANCE:
-            self._found.clear()  # as promised, or the machine stood still, which says nothing
+            self._found.clear()  # as expected, or the machine stalled, which gives no information
             return None
         self._found = [*self._found[1 - WINDOWS :], rate]
         low, high = min(self._found), max(self._found)

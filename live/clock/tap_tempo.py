@@ -1,4 +1,4 @@
-"""TapTempo: a row of taps becomes a grid of beats."""
+"""Tap tempo: a grid of beats from a sequence of taps."""
 
 from statistics import fmean, median, median_low
 from typing import Final
@@ -6,30 +6,30 @@ from typing import Final
 from live.clock.timeline import Grid
 
 FORGET_AFTER: Final = 2.0
-"""Seconds without a tap after which a new row begins."""
+"""Seconds without a tap after which a new sequence begins."""
 
 BOUNCE: Final = 0.15
-"""Taps closer than this [s] (400 bpm) are one tap of a bouncing key."""
+"""Taps closer than this [s] (400 bpm) count as one: the key bounces."""
 
 TAPS_WANTED: Final = 3
 TAPS_KEPT: Final = 12
 
 
 class TapTempo:
-    """Collects taps; from the third on each one gives a grid."""
+    """Collects taps; from the third on, each gives a grid."""
 
     def __init__(self) -> None:
         self._taps: list[float] = []
 
     @property
     def count(self) -> int:
-        """Taps of the row so far."""
+        """Number of taps in the sequence so far."""
         return len(self._taps)
 
     def tap(self, time: float) -> Grid | None:
-        """Add a tap at `time` [s]; the grid through the row's taps, None for fewer than three.
+        """Add a tap at `time` [s]; return the grid through the taps, None for fewer than three.
 
-        The period is the mean of the intervals within a quarter of their median, so that one tap missed or doubled
+        The period is the mean of the intervals within a quarter of their median, so that one missed or doubled tap
         changes nothing; the phase is the median over the taps.
         """
         if self._taps and abs(time - self._taps[-1]) > FORGET_AFTER:

@@ -1,7 +1,7 @@
-"""Ticks: the fixed time step of the simulation (after bevy's fixed timestep).
+"""The fixed time step of the simulation (after bevy's fixed timestep).
 
 64 Hz because 60 Hz beats against the monitor (0, 2, 0, 2 ticks a frame), and 1/64 s is exact in binary: tick n is
-at n/64 s without rounding, whatever the frame rate.
+at n/64 s without rounding, at any frame rate.
 """
 
 import math
@@ -22,10 +22,10 @@ class Ticks:
     """
 
     def __init__(self, index: int = 0, *, stall: float = STALL) -> None:
-        """`stall`: the gap [s] that counts as one; infinite where no tick may be left out (offline)."""
+        """`stall`: gaps longer than this [s] are skipped; infinite where no tick may be skipped (offline)."""
         self._stall = stall
         self.index = index
-        """Index of the last tick that was due (the simulation stands there)."""
+        """Index of the last tick that was due (the state of the simulation)."""
         self.skipped = 0
         """Ticks skipped after stalls, since the start."""
 
@@ -35,17 +35,17 @@ class Ticks:
         return self.index * TICK
 
     def stalled(self, target: float) -> int:
-        """How many ticks to skip because `target` [s] lies more than a stall ahead; 0 as a rule."""
+        """Return how many ticks to skip because `target` [s] lies more than a stall ahead; usually 0."""
         behind = target - self.time
         return math.floor(behind / TICK) - 1 if behind > self._stall else 0
 
     def skip(self, count: int) -> None:
-        """Jump over `count` ticks that will never be run."""
+        """Skip `count` ticks."""
         self.index += count
         self.skipped += count
 
     def due(self, target: float) -> Iterator[float]:
-        """The times [s] of the ticks after the last one, up to and including `target` [s]."""
+        """Yield the times [s] of the ticks after the last one, up to and including `target` [s]."""
         while (self.index + 1) * TICK <= target:
             self.index += 1
             yield self.index * TICK

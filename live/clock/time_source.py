@@ -1,6 +1,7 @@
-"""Where seconds come from: SystemClock live, ManualClock offline and in tests. Both start at 0 and never go back.
+"""Clocks: the system's monotonic clock for live shows, a manual clock for offline rendering and tests, and a thread's
+processor time.
 
-ProcessorClock counts other seconds: those that a thread had the processor.
+`SystemClock` and `ManualClock` start at 0 and never go back.
 """
 
 import time as _time
@@ -16,9 +17,9 @@ class Clock(Protocol):
 
 
 class SystemClock:
-    """The machine's monotonic clock, from the moment this object is made (or from `origin`, a `perf_counter` value).
+    """The machine's monotonic clock, from the creation of this object (or from `origin`, a `perf_counter` value).
 
-    Thread: `now` from any. A change of the system's date moves nothing.
+    Thread: `now` from any. A change of the system's date has no effect.
     """
 
     def __init__(self, origin: float | None = None) -> None:
@@ -30,29 +31,29 @@ class SystemClock:
 
 
 class ProcessorClock:
-    """Seconds of the processor that the thread which asks has used; waiting takes none."""
+    """Processor time of the calling thread; waiting takes none."""
 
     def now(self) -> float:
-        """Seconds since some time before this object was made."""
+        """Seconds since some moment before this object was made."""
         return _time.thread_time()
 
 
 class ManualClock:
-    """A clock that moves only when it is told to: for offline rendering and for tests."""
+    """A clock that is set by its owner: for offline rendering and for tests."""
 
     def __init__(self, time: float = 0.0) -> None:
         self._time = time
 
     def now(self) -> float:
-        """Seconds it was last set to."""
+        """The time it was last set to [s]."""
         return self._time
 
     def set(self, time: float) -> None:
-        """Move to `time` [s]; raises ValueError if that lies in the past."""
+        """Set to `time` [s]; raises ValueError if that lies in the past."""
         if not time >= self._time:  # NaN too
             raise ValueError(f"a clock cannot go back from {self._time} s to {time} s")
         self._time = time
 
     def advance(self, seconds: float) -> None:
-        """Move on by `seconds`."""
+        """Advance by `seconds`."""
         self.set(self._time + seconds)

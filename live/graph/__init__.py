@@ -1,4 +1,4 @@
-"""The motion graph says which step can follow which, and chooses the next one at each measure.
+"""The motion graph defines which step can follow which; the next step is chosen from it at each measure.
 
 It may import `motion`, `clock` and `base`.
 """

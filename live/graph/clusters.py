@@ -1,9 +1,7 @@
-"""Clusters: a graph as people see it: steps, their structural variations, what leads where, and what does not.
+"""Summary of a motion graph for people: clusters, components, connectivity, and which steps can follow a step.
 
-A cluster is a step with all its instances (T041, Fig 3.4); a component is a structural variation of it: the clips that
-begin on one foot, in one pose, and end in one pose (T062, Fig 3.11).
-
-Which steps can follow a step, and how well: what a dancer may be told before anything is danced (T003, T043).
+A cluster is a step with all its instances (T041, Fig 3.4). A component is a structural variation of it: the clips that
+begin on one foot and in one pose, and end in one pose (T062, Fig 3.11). Step successors: T003, T043.
 """
 
 from dataclasses import dataclass
@@ -31,7 +29,7 @@ class Component:
 
     step: int
     side: str
-    """The leading foot, or whether it is as danced or mirrored where nobody has said which foot leads."""
+    """The leading foot; if that is not given, whether the clip is as danced or mirrored."""
     begin_pose: str
     end_pose: str
     nodes: tuple[int, ...]
@@ -39,31 +37,31 @@ class Component:
 
 @dataclass(frozen=True, slots=True)
 class Lead:
-    """Joins from the variations of one thing (a step, a component) to those of another."""
+    """Joins from the variations of one group (a step, a component) to those of another."""
 
     source: int
     target: int
     joins: int
     nearest: float
-    """Distance of the nearest of them [m]."""
+    """Distance of the nearest join [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connectivity:
-    """How the N nodes hang together, dead ends included."""
+    """Connectivity of the N nodes, dead ends included."""
 
     label: Int32
     """Strongly connected component of each node, shape (N,)."""
     alive: Bool
-    """Whether a node is in the largest one that can be danced for ever, shape (N,)."""
+    """Whether a node is in the largest component that allows an endless dance, shape (N,)."""
     leads_on: Bool
-    """Whether anything can follow a node, shape (N,)."""
+    """Whether any node can follow it, shape (N,)."""
     reached: Bool
-    """Whether it can follow anything, shape (N,)."""
+    """Whether it can follow any node, shape (N,)."""
 
 
 def structural_components(library: StepLibrary) -> list[Component]:
-    """The components of a library, step by step, each with its nodes."""
+    """Return the components of a library, step by step, each with its nodes."""
     found: dict[tuple[int, str, str, str], list[int]] = {}
     for node in range(library.node_count):
         clip = library.clips[library.node_clip[node]]
@@ -73,9 +71,9 @@ def structural_components(library: StepLibrary) -> list[Component]:
 
 
 def leads(graph: MotionGraph, group: Int32, count: int) -> list[Lead]:
-    """What leads from one group of nodes to another, where a step ends and another begins; `group` (N,) below `count`.
+    """Return the joins between groups of nodes, where one step ends and another begins; `group` (N,) below `count`.
 
-    The joins of pruned nodes count as well.
+    Joins of pruned nodes are included.
     """
     joins = graph.joins
     between = graph.library.node_measure[joins.target] == 0
@@ -87,7 +85,7 @@ def leads(graph: MotionGraph, group: Int32, count: int) -> list[Lead]:
 
 
 def connectivity(graph: MotionGraph) -> Connectivity:
-    """Strongly connected components and dead ends over all joins, pruned or not."""
+    """Return strongly connected components and dead ends over all joins, pruned or not."""
     source, target, count = graph.joins.source, graph.joins.target, graph.library.node_count
     alive = largest_component(count, source, target) if len(source) else np.zeros(count, np.bool_)
     if not (alive[source] & alive[target]).any():
@@ -101,9 +99,9 @@ def connectivity(graph: MotionGraph) -> Connectivity:
 
 
 def nearest_steps(graph: MotionGraph) -> Float64:
-    """Distance [m] of the nearest end of a step to the nearest beginning of another, shape (C, C).
+    """Return the distance [m] of the nearest end of each step to the nearest beginning of each other, shape (C, C).
 
-    Only pairs whose structure agrees count; inf where none does. In blocks: nothing of size N × N is held.
+    Only pairs with matching structure count; inf if there is none. Computed in blocks: no array of size N × N.
     """
     library = graph.library
     leaves = np.flatnonzero(library.node_measure == library.node_measures - 1)
@@ -121,7 +119,7 @@ def nearest_steps(graph: MotionGraph) -> Float64:
 
 
 def _squared(a: FlatClouds, b: FlatClouds) -> Float64:
-    """K003 for all pairs, (N, M) [m²]."""
+    """Return K003 for all pairs, (N, M) [m²]."""
     product = np.abs(a.floor.conj() @ b.floor.T) + a.height @ b.height.T
     return np.asarray(a.size[:, None] + b.size[None] - 2.0 * product)
 
@@ -134,11 +132,11 @@ class Follower:
     distance_m: float
     """Distance of the nearest pair of measures [m] (T034)."""
     pairs: int
-    """Joins between a variation of the one and a variation of the other."""
+    """Joins between variations of the two steps."""
 
 
 def followers(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Follower]:
-    """The steps that can follow the step of that index within `threshold` [m], the nearest first."""
+    """Return the steps that can follow the step of that index within `threshold` [m], the nearest first."""
     rule = JoinRule(window, threshold)
     joins = find_joins(library, Boundaries.of(library, rule), rule)
     own = (library.node_step[joins.source] == step) & (library.node_measure[joins.target] == 0)

@@ -1,4 +1,4 @@
-"""The figures of a dance that was put together, in the form of the contracts, beside those of the raw clips."""
+"""Quality metrics of an assembled dance, in the contracts' format, compared with those of the raw clips."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ Bool = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class RawClips:
-    """The clips from which dances are made, played at the dance's tempo and sampled as the dance is."""
+    """The source clips of a dance, played at its tempo and sampled like it."""
 
     steps: tuple[StepClip, ...]
     seconds: float
@@ -44,21 +44,21 @@ class RawClips:
 
     @cached_property
     def played(self) -> list[tuple[Float64, Bool]]:
-        """Joints (T, J, 3) [m] and contacts (T, 2) of each whole clip, lead-in included."""
+        """Return joints (T, J, 3) [m] and contacts (T, 2) of each whole clip, lead-in included."""
         return [self._play(step) for step in self.steps]
 
     @cached_property
     def traces(self) -> list[tuple[Float64, Float64]]:
-        """Largest velocity change and acceleration at every sample, (T,) each."""
+        """Return the largest velocity change and acceleration at every sample, (T,) each."""
         return [at_samples(position, self.rate) for position, _ in self.played]
 
     @property
     def slide(self) -> Float64:
-        """Speeds [m/s] of their feet in contact, (n,)."""
+        """Return the speeds [m/s] of feet in contact, (n,)."""
         return np.concatenate([slides(position, contact, self.rate) for position, contact in self.played])
 
     def p99(self, half: float) -> tuple[float, float]:
-        """p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""
+        """Return p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""
         change, acceleration = zip(*self.traces, strict=True)
         return p99_of_raw(change, half, self.rate), p99_of_raw(acceleration, half, self.rate)
 
@@ -72,7 +72,7 @@ class RawClips:
 
 @dataclass(frozen=True)
 class DanceFigures:
-    """One dance, and what it is made of."""
+    """Metrics of one dance and its source clips."""
 
     graph: MotionGraph
     dance: Assembled
@@ -80,7 +80,7 @@ class DanceFigures:
 
     @cached_property
     def position(self) -> Float64:
-        """Joints in the world [m], shape (T, J, 3)."""
+        """Joints in stage coordinates [m], shape (T, J, 3)."""
         clip = self.dance.clip
         position, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
         return position.astype(np.float64)
@@ -96,12 +96,12 @@ class DanceFigures:
 
     @property
     def slide(self) -> Float64:
-        """Speeds [m/s] of feet in contact, (n,)."""
+        """Return the speeds [m/s] of feet in contact, (n,)."""
         return slides(self.position, self.dance.clip.contact, self.dance.clip.sample_rate)
 
     @cached_property
     def joins(self) -> tuple[Float64, Float64]:
-        """Largest velocity change [m/s] and acceleration [m/s²] of any joint at each join of two clips, (K,) each."""
+        """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint at each join of two clips, (K,)."""
         rate, join = self.dance.clip.sample_rate, self.dance.join
         change, acceleration = at_samples(self.position, rate)
         middle = join.mean(axis=1)
@@ -109,12 +109,12 @@ class DanceFigures:
 
     @property
     def half(self) -> float:
-        """Seconds before and after the middle of each join that are looked at."""
+        """Seconds examined before and after the middle of each join."""
         return half_width(self.graph.window * float(self.dance.line_time[1]))
 
     @property
     def annotated_offsets(self) -> Float64:
-        """When each clip's own beat is shown, minus the beat [s], shape (M, beats)."""
+        """Return the display time of each clip's own beat minus the beat [s], shape (M, beats)."""
         library, dance = self.graph.library, self.dance
         first, last = library.node_first[dance.node], library.node_last[dance.node]
         own = np.array([library.clips[clip].samples_per_measure for clip in library.node_clip[dance.node]])
@@ -123,7 +123,7 @@ class DanceFigures:
         return np.asarray(shown - dance.beat_time[:-1].reshape(shown.shape), np.float64)
 
     def result(self) -> dict[str, Any]:
-        """The figures; null where nothing was measured. Without `steps` and `missing`, which the caller knows."""
+        """Return the metrics; null where nothing was measured. The caller adds `steps` and `missing`."""
         dance, rate = self.dance, self.dance.clip.sample_rate
         slide, skating = self.slide, skates(self.position, rate)
         change, acceleration = self.joins
@@ -151,7 +151,7 @@ class DanceFigures:
         }
 
     def _errors(self) -> tuple[list[float], list[float]]:
-        """At the measure lines, as it is shown: hips to their place [m], the planned heading to the wanted one [°]."""
+        """Return the errors at the measure lines: hips to their target [m], planned heading to the wanted one [°]."""
         if self.targets is None:
             return [], []
         dance = self.dance
@@ -162,12 +162,12 @@ class DanceFigures:
 
 
 def ratio(joins: Float64, raw: float) -> float | None:
-    """p99 over the joins (K,), divided by the raw clips' p99; None without a join, or with nothing to compare to."""
+    """Return p99 over the joins (K,) divided by the raw clips' p99; None without joins or a reference."""
     return float(np.percentile(joins, 99) / raw) if len(joins) and raw > 0.0 else None
 
 
 def median_and_p95(seconds: Float64) -> dict[str, float | None]:
-    """Of the distances |seconds|, in milliseconds."""
+    """Return median and p95 of |seconds|, in milliseconds."""
     size = np.abs(seconds) * 1e3
     return {
         "median": float(np.median(size)) if len(size) else None,
@@ -176,5 +176,5 @@ def median_and_p95(seconds: Float64) -> dict[str, float | None]:
 
 
 def list_and_p95(values: Sequence[float]) -> dict[str, Any]:
-    """The values and their p95."""
+    """Return the values and their p95."""
     return {"list": list(values), "p95": float(np.percentile(values, 95)) if len(values) else None}

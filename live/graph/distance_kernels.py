@@ -1,7 +1,4 @@
-"""Graph kernels: how many measures steps are away.
-
-One layer of a layered search: the cheapest way on from every node, in one pass over the edges.
-"""
+"""Graph kernels: distances to steps in measures, and one layer of the layered search."""
 
 import math
 
@@ -34,10 +31,10 @@ def reverse_edges(edge_source: Int32, edge_target: Int32, in_start: Int32, in_so
 def count_hops(
     node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, never: int, queue: Int32, out: Int32
 ) -> None:
-    """Measures from each node to the first measure of each step, `never` if there is no way, into out (C, N).
+    """Write the measures from each node to the first measure of each step into out (C, N); `never` if unreachable.
 
-    begins (N,): nodes that begin a step and live; the edges into node v come from in_source[in_start[v]] to
-    in_source[in_start[v + 1]]; queue (N,) is room. Breadth-first against the arrows.
+    begins (N,): alive nodes that begin a step; the edges into node v come from in_source[in_start[v]] to
+    in_source[in_start[v + 1]]; queue (N,) is scratch. Breadth-first search against the edge direction.
     """
     for step in range(out.shape[0]):
         last = 0
@@ -65,10 +62,10 @@ Int64 = npt.NDArray[np.int64]
 
 @kernel("void(f8[::1], i8[::1], i8[::1], i4[::1], f8[::1], f8[::1])")
 def cheapest_on(out: Float64, node: Int64, first: Int64, target: Int32, cost: Float64, value: Float64) -> None:
-    """What the cheapest edge costs with what comes after it, into `out` (N,); infinite where no edge leaves.
+    """Write the least cost of an edge plus the cost after it into `out` (N,); infinite where no edge leaves.
 
-    The edges of `node` (R,) begin at `first` (R,) and lead to `target` (E,) for `cost` (E,); from each node on the
-    dance costs `value` (N,).
+    The edges of `node` (R,) begin at `first` (R,) and lead to `target` (E,) for `cost` (E,); the remaining dance from
+    each node costs `value` (N,).
     """
     for n in range(out.shape[0]):
         out[n] = math.inf

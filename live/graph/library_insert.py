@@ -1,11 +1,10 @@
-"""Insertion: a new take joins a library and its graph while they are danced, without building everything anew.
+"""Insertion of new takes into a library and its graph during a show, without a complete rebuild.
 
-The old nodes keep their indices, and nothing that the old graph holds is changed, so dancers go on in it as long as it
-takes. A show lets `insert_clips` run in a worker thread (its matrix products, kernels and copies leave the interpreter
-to the main thread), and takes up the new graph at a measure line, when every dancer has crossed it and nobody's next
-measure is decided: from then on nodes of the old graph are looked up in the new one. A dancer whose node is alive in
-the old graph but not in the new one (a larger component has come into being elsewhere) has to be placed anew; see
-`stranded`.
+The old nodes keep their indices and the old graph is not changed, so dancers can stay in it. A show runs `insert_clips`
+in a worker thread (its matrix products, kernels and copies release the GIL). It switches to the new graph at a measure
+line, when every dancer has crossed it and no next measure is decided. Nodes of the old graph are then valid in the new
+one. A dancer whose node is alive in the old graph but not in the new one (because another component is now the largest)
+must be placed again; see `stranded`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -23,11 +22,11 @@ Int32 = npt.NDArray[np.int32]
 
 
 def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
-    """The graph of the library with `clips` after all others: equal to a graph of all of them built from nothing.
+    """Return the graph with `clips` added at the end: equal to a graph built from all clips at once.
 
-    The measures of `clips` are compared with everything, everything else is taken over. Nodes, clips and steps of
-    `graph` keep their indices in the new graph; measure lines that an `interval` has moved stay where they are, and
-    those of `clips` are not moved. ValueError for no clips, or clips of another metre.
+    Only the measures of `clips` are compared; everything else is reused. Nodes, clips and steps of `graph` keep their
+    indices; measure lines moved by an `interval` stay, and those of `clips` are not moved. ValueError for no clips, or
+    clips of another metre.
     """
     part = build_library(clips)
     library = joined_library(graph.library, part)
@@ -39,16 +38,16 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
 
 
 def without_clips(graph: MotionGraph, clips: Iterable[int]) -> MotionGraph:
-    """The same graph, but that nobody begins these `clips` (indices into its library's) any more.
+    """Return the same graph in which these `clips` (indices into its library's) are not begun any more.
 
-    Whoever dances in one finishes her step and goes on as before. Indices stay. ValueError if nothing is left.
+    A dancer in one of them finishes the step and continues as before. Indices stay. ValueError if nothing is left.
     """
     leaving = graph.leaving | np.isin(graph.library.node_clip, list(clips))
     return graph_of(graph.library, graph.boundaries, graph.joins, facts_of(graph), graph.rule, leaving)
 
 
 def facts_of(graph: MotionGraph) -> NodeFacts:
-    """What a graph knows of its nodes."""
+    """Return the node facts of a graph."""
     return NodeFacts(
         start=graph.node_start,
         end=graph.node_end,
@@ -65,5 +64,5 @@ def facts_of(graph: MotionGraph) -> NodeFacts:
 
 
 def stranded(graph: MotionGraph, nodes: Int32) -> npt.NDArray[np.bool_]:
-    """Whether nothing leads on from each of `nodes` (A,), so that whoever dances there must begin elsewhere, (A,)."""
+    """Whether no edge leaves each of `nodes` (A,), so that a dancer there must begin elsewhere, (A,)."""
     return np.asarray(graph.edge_start[nodes + 1] == graph.edge_start[nodes], np.bool_)

@@ -1,4 +1,4 @@
-"""Mean poses of all nodes at once: as `live.motion.pose.pose_pipeline.mean_pose`, for a whole library (T058)."""
+"""Mean poses of all nodes at once: `live.motion.pose.pose_pipeline.mean_pose` for a whole library (T058)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ Int64 = npt.NDArray[np.int64]
 
 
 def mean_poses(rotation: Float32, first: Int64, last: Int64) -> Float32:
-    """Mean rotation of each joint over the samples first to last (inclusive, (N,) each) of (S, J, 4), (N, J, 4)."""
+    """Return the mean rotation of each joint over samples first to last (inclusive, (N,)) of (S, J, 4), (N, J, 4)."""
     joints = rotation.shape[1]
     moments = np.zeros((len(first), joints, 4, 4))
     rotation_moments(rotation, first, last, moments)

@@ -1,4 +1,4 @@
-"""MotionGraph: nodes only at measure ends, edges between compatible measures, dead ends pruned (T031-T042)."""
+"""Motion graph: nodes only at measure ends, edges between compatible measures, dead ends pruned (T031-T042)."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class MotionGraph:
     edge_transform: Float64
     """x, z [m], yaw [rad] that place the next clip in the axes of the last (K001), shape (E, 3)."""
     hops: Int32
-    """Measures from a node to the first measure of a step, 0 = it is in it, NEVER if it cannot, shape (C, N)."""
+    """Measures from a node to the first measure of a step; 0: it is in it, NEVER: unreachable, shape (C, N)."""
     node_end: Float64
     """Hips at the end of each measure, in its clip's axes (x, z) [m], shape (N, 2)."""
     node_facing: Float64
@@ -46,17 +46,17 @@ class MotionGraph:
     node_start: Float64
     """Hips at the beginning of each measure, in its clip's axes (x, z) [m], shape (N, 2)."""
     node_turns: Float64
-    """Where in each measure a dancer can turn on a carrying foot, shape (N, 8, 8): per segment start, stop, weight,
-    x, z [m] of the foot at both ends, softness (T048-T050)."""
+    """Where in each measure a dancer can turn on a supporting foot, shape (N, 8, 8): per segment start, stop, weight,
+        x, z [m] of the foot at both ends, softness (T048-T050)."""
     node_quickest: Float64
-    """How fast a turn is at its fastest, in whole angles per measure, shape (N,)."""
+    """Peak speed of a turn, in whole angles per measure, shape (N,)."""
     node_rise: Float64
-    """When in each measure a correction comes in: share and rate at its knots (motion/shifting), shape (N, 65, 2)."""
+    """When in each measure a correction is applied: share and rate at its knots (root_warp), shape (N, 65, 2)."""
     node_gives: Float64
-    """How far a dancer can be carried beyond each measure's own way [m] with her feet planted, in 16 ways about her
-    clip's axes, shape (N, 16)."""
+    """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about the
+        clip's axes, shape (N, 16)."""
     node_holds: Float64
-    """Share of a correction that is in before the left and the right foot are lifted for the first time, (N, 2)."""
+    """Share of a correction that is applied before the left and the right foot are first lifted, (N, 2)."""
     moments: Moments
     """Poses and speeds of every measure at each quarter of a beat."""
     takes: Takes
@@ -66,15 +66,15 @@ class MotionGraph:
     window: float
     """Length of a transition as a share of the measure."""
     missing: tuple[str, ...]
-    """Steps that no dancer can enter and leave again, in words."""
+    """Steps that cannot be both entered and left, as texts."""
     joins: Joins
-    """All pairs that may follow each other, those of pruned nodes as well: what a graph that grows goes on from."""
+    """All pairs that may follow each other, those of pruned nodes included; used when the graph grows."""
     boundaries: Boundaries
-    """The clouds between which they are, for the same purpose."""
+    """The point clouds at both ends of each measure, kept for the same purpose."""
     rule: JoinRule
-    """What made them."""
+    """The settings that the joins were made with."""
     leaving: Bool
-    """Measures of clips that were taken away: whoever dances one finishes her step, nobody begins it, shape (N,)."""
+    """Measures of removed clips: a dancer there finishes the step, but none begins it, shape (N,)."""
 
     @property
     def edge_count(self) -> int:
@@ -83,11 +83,11 @@ class MotionGraph:
 
     @property
     def node_give(self) -> Float64:
-        """The same on the average of all ways [m], shape (N,)."""
+        """Mean of `node_gives` over all directions [m], shape (N,)."""
         return np.asarray(self.node_gives.mean(axis=1))
 
     def entries(self, step: int) -> Int32:
-        """Nodes that begin the step and are alive."""
+        """Return the alive nodes that begin the step."""
         library = self.library
         chosen = (library.node_step == step) & (library.node_measure == 0) & self.alive
         return np.flatnonzero(chosen).astype(np.int32)
@@ -105,12 +105,12 @@ def build_graph(
     """Connect the measures of a library.
 
     `window`: length of a transition as a share of the measure (T036); `threshold` [m]: largest distance (T034) of an
-    edge; `metric`: weights of the joints and along the window. Within a step of several measures each one leads to
-    the next alone, without cost (T039). Poses in which steps begin and end must agree where they are named (T136),
-    and a step that transfers the weight is repeated on the other side (T135). Dead ends are pruned (T037); with
-    `prune` False they stay, for searches that know where a dance ends (T064). `interval`: by what share of a measure
-    steps may end and begin beside its line (T140); the graph's library has the lines as they were moved. ValueError
-    if no two measures connect, unless nothing is pruned, or for more edges than fit into memory.
+    edge; `metric`: weights of the joints and along the window. Within a step of several measures, each leads only to
+    the next, without cost (T039). Named poses in which steps begin and end must agree (T136), and a step that transfers
+    the weight is repeated on the other side (T135). Dead ends are pruned (T037); with `prune` False they stay, for
+    searches that fix the end of a dance (T064). `interval`: share of a measure by which steps may end and begin off its
+    line (T140); the graph's library has the moved lines. ValueError if no two measures connect, unless nothing is pruned,
+    or for more edges than fit into memory.
     """
     rule = JoinRule(window, threshold, Metric.of() if metric is None else metric, prune)
     library = retimed(library, rule, interval)
@@ -127,9 +127,9 @@ def graph_of(
     rule: JoinRule,
     leaving: Bool | None = None,
 ) -> MotionGraph:
-    """The graph of a library whose joins and facts are known; ValueError if it is pruned and nothing connects.
+    """Build the graph of a library from known joins and facts; ValueError if it is pruned and nothing connects.
 
-    `leaving` (N,): measures that nobody may begin, see `MotionGraph`.
+    `leaving` (N,): measures that must not be begun, see `MotionGraph`.
     """
     alive = np.ones(library.node_count, np.bool_)
     leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
@@ -186,7 +186,7 @@ def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, 
 
 
 def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: float) -> Bool:
-    """Which ordered pairs of nodes may follow each other, before dead ends are pruned, shape (N, N)."""
+    """Return which ordered pairs of nodes may follow each other, before dead ends are pruned, shape (N, N)."""
     leaves = library.node_measure == library.node_measures - 1
     enters = library.node_measure == 0
     allowed = (transitions.distance <= threshold) & leaves[:, None] & enters[None] & may_follow(library)
@@ -196,7 +196,7 @@ def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: flo
 
 
 def strong_components(count: int, source: Int32, target: Int32) -> Int32:
-    """Number of the strongly connected component of each of `count` nodes (N,), for edges sorted by source (T037)."""
+    """Return the strongly connected component of each of `count` nodes (N,), for edges sorted by source (T037)."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
@@ -206,16 +206,16 @@ def strong_components(count: int, source: Int32, target: Int32) -> Int32:
 
 
 def largest_component(count: int, source: Int32, target: Int32) -> Bool:
-    """Nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
+    """Return the nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
     label = strong_components(count, source, target)
     size = np.bincount(label)
-    lives = np.zeros(len(size), np.bool_)  # a lone node without an edge to itself is a component, but no dance
+    lives = np.zeros(len(size), np.bool_)  # a single node without a self-loop is a component, but allows no dance
     lives[label[source[label[source] == label[target]]]] = True
     return np.asarray(label == np.argmax(size + lives * len(label)), np.bool_)
 
 
 def _hops(library: StepLibrary, edges: Joins, alive: Bool) -> Int32:
-    """Breadth-first from each step's first measures against the arrows, shape (C, N)."""
+    """Search breadth-first from each step's first measures against the edges, shape (C, N)."""
     count = library.node_count
     begins = alive & (library.node_measure == 0)
     hops = np.empty((len(library.steps), count), np.int32)

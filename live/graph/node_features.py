@@ -1,10 +1,8 @@
-"""NodeFacts: what is measured of every measure of a library: where it begins and ends, faces, and can be turned.
-
-Moments: features of every measure at each quarter of a beat, and the distance of a body from them.
+"""Features of every measure (node): ends, headings, turns, corrections, and motion matching features per quarter beat.
 
 Motion matching (Clavet, "Motion Matching and the Road to Next-Gen Animation", GDC 2016; features as in Holden's
-Motion-Matching) compares a body with all frames; here only with those of the same phase of the measure, so that the
-beat stays. Features are seen from the hips, in the direction in which the body faces.
+Motion-Matching) compares a body with all frames. Here only frames of the same phase of the measure are compared, to
+stay on the beat. Features are relative to the hips and the body's heading.
 """
 
 from dataclasses import dataclass, replace
@@ -31,17 +29,17 @@ Bool = npt.NDArray[np.bool_]
 Float = npt.NDArray[np.floating]
 
 PER_BEAT: Final = 4
-"""Moments in a beat."""
+"""Moments per beat."""
 LOOKED_AT: Final = (
     ("leftFoot", 1.5), ("rightFoot", 1.5), ("leftToes", 1.0), ("rightToes", 1.0), ("leftLowerLeg", 0.7),
     ("rightLowerLeg", 0.7), ("leftHand", 0.6), ("rightHand", 0.6), ("head", 0.7), ("chest", 0.7),
 )  # fmt: skip
-"""Joints whose places and speeds are compared, and how much each counts: feet carry."""
+"""Joints whose places and speeds are compared, with weights; feet weigh most."""
 SPEED_SHARE: Final = 0.06
-"""A metre per measure of speed counts as so many metres of place: what a difference of speed carries a joint astray
-while it fades, 0.2 of 0.4 s, in measures of about 1.3 to 2 s."""
+"""Metres of place that one metre per measure of speed counts as: how far a speed difference displaces a joint while it
+fades, 0.2 of 0.4 s, in measures of about 1.3 to 2 s."""
 FOOT: Final = 0.4
-"""A foot that stands in one clip and swings in the other counts as so many metres between them."""
+"""Metres that a foot which stands in one clip and swings in the other counts as."""
 BETWEEN: Final = 1.0 / 128.0
 """Share of a measure over which speeds are measured."""
 _JOINTS = [SKELETON.index(name) for name, _ in LOOKED_AT]
@@ -54,27 +52,29 @@ _ACROSS = tuple(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moments:
-    """K moments of N nodes, the first where the measure begins, the last where it ends."""
+    """K moments of N nodes, from the beginning to the end of the measure."""
 
     feature: Float32
-    """Weighted places and speeds of the joints looked at, seen from the hips, and which feet stand, shape (N, K, F)."""
+    """Weighted places and speeds of the compared joints relative to the hips, and standing feet, shape (N, K, F)."""
     hips: Float64
     """Hips in the clip's axes (x, z) [m], shape (N, K, 2)."""
     facing: Float64
     """Heading of the body in the clip's axes [rad], shape (N, K)."""
 
     def joined(self, other: "Moments") -> "Moments":
-        """The moments of this one's nodes, then the other's."""
+        """Return the moments of these nodes followed by those of `other`."""
         return Moments(*(np.concatenate([getattr(self, n), getattr(other, n)]) for n in Moments.__slots__))
 
     def at(self, fraction: Float64) -> Int32:
-        """Which moment is nearest to each `fraction` (n,) of the measure, (n,)."""
+        """Return the moment nearest to each `fraction` (n,) of the measure, (n,)."""
         last = self.hips.shape[1] - 1
         return np.asarray(np.clip(np.rint(fraction * last), 0, last), np.int32)
 
     def distance(self, feature: Float32, fraction: Float64, nodes: Int32) -> Float64:
-        """How far bodies with `feature` (n, F) at `fraction` (n,) of their measures are from each of `nodes` (C,) at
-        that phase [m], (n, C)."""
+        """Return the distance [m], (n, C), of bodies with `feature` (n, F) to each of `nodes` (C,) at the same phase.
+
+        `fraction` (n,) is the phase of the bodies in their measures.
+        """
         moment = self.at(fraction)
         out = np.empty((len(feature), len(nodes)))
         for k in np.unique(moment):
@@ -86,11 +86,11 @@ class Moments:
 
 
 def moments_of(library: StepLibrary) -> Moments:
-    """The moments of all nodes of a library."""
+    """Return the moments of all nodes of a library."""
     count = PER_BEAT * library.beats_per_measure + 1
     size = ((library.node_last - library.node_first) * BETWEEN)[:, None]
     sample = window_samples(library.node_first, library.node_last, count)
-    back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but after the measure's beginning
+    back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but not before the measure begins
     now, then = clouds(library, sample), clouds(library, sample + back)
     per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / BETWEEN
     stands = library.clip_contact[np.rint(sample).astype(np.int64)]
@@ -99,8 +99,11 @@ def moments_of(library: StepLibrary) -> Moments:
 
 
 def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64, Float64, Float64]:
-    """Features (..., F), hips x, z (..., 2) [m] and heading (...) [rad] of bodies with joints at `position`
-    (..., J, 3) [m], moving at `speed` (..., J, 3) [m per measure]; `stands` (..., 2): on which feet, left and right."""
+    """Return features (..., F), hips x, z (..., 2) [m] and heading (...) [rad] of bodies.
+
+    `position` (..., J, 3) [m] and `speed` (..., J, 3) [m per measure] are those of their joints; `stands` (..., 2): left
+    and right foot on the floor.
+    """
     facing = heading_of(position)
     hips = np.ascontiguousarray(position[..., 0, ::2], np.float64)
     seen = position[..., _JOINTS, :] - position[..., :1, :] * np.array([1.0, 0.0, 1.0])
@@ -114,7 +117,7 @@ def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64,
 
 
 def heading_of(position: Float) -> Float64:
-    """Heading of bodies (...) [rad], from hips and shoulders of `position` (..., J, 3) [m] alike."""
+    """Return the heading of bodies (...) [rad], from hips and shoulders of `position` (..., J, 3) [m] equally."""
     total = np.zeros(position.shape[:-2], np.complex128)
     for left, right in _ACROSS:
         across = position[..., left, :] - position[..., right, :]
@@ -124,19 +127,19 @@ def heading_of(position: Float) -> Float64:
 
 
 def _turned(vectors: Float, yaw: Float64) -> Float64:
-    """Vectors (..., 3) turned by `yaw` (...) about +Y."""
+    """Rotate vectors (..., 3) by `yaw` (...) about +Y."""
     c, s = np.cos(yaw), np.sin(yaw)
     x, z = vectors[..., 0], vectors[..., 2]
     return np.stack([x * c + z * s, vectors[..., 1], z * c - x * s], axis=-1)
 
 
 TURN_SOFTNESS = 0.3
-"""Share of a support over which a live turn speeds up, and slows down: a body cannot turn at once."""
+"""Share of a support phase over which a live turn accelerates, and decelerates."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NodeFacts:
-    """Facts of N nodes, each of which depends on the node's own clip alone; fields as in MotionGraph."""
+    """Facts of N nodes, each depending only on the node's own clip; fields as in MotionGraph."""
 
     start: Float64
     end: Float64
@@ -151,7 +154,7 @@ class NodeFacts:
     moments: Moments
 
     def joined(self, other: "NodeFacts") -> "NodeFacts":
-        """The facts of this one's nodes, then the other's."""
+        """Return the facts of these nodes followed by those of `other`."""
         arrays = [name for name in NodeFacts.__slots__ if name != "moments"]
         return NodeFacts(
             **{name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in arrays},
@@ -180,7 +183,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
 
 
 def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """Support turns of every node, (N, 8, 8), and how fast they are at the fastest, (N,)."""
+    """Return the support turns of every node, (N, 8, 8), and their peak speeds, (N,)."""
     feet = _feet(library)
     turns = []
     for node, clip in enumerate(library.node_clip):
@@ -191,8 +194,8 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
 
 
 def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
-    """When each node's correction comes in, (N, KNOTS, 2), how far it may go each way [m], (N, DIRECTIONS), and how
-    much of it the feet that stand at the beginning hold out, (N, 2)."""
+    """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and the
+    share that each foot standing at the beginning tolerates, (N, 2)."""
     legs = _legs(library)
     rises, gives, holds = [], [], []
     for first, last in zip(library.node_first, library.node_last, strict=True):
@@ -208,14 +211,14 @@ def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float
 
 
 def _legs(library: StepLibrary) -> Float64:
-    """Hips, and hip, knee, ankle and toes of both legs at all samples [m], (S, 9, 3), by one run of the pipeline."""
+    """Return hips, and hip, knee, ankle and toes of both legs at all samples [m], (S, 9, 3), in one pipeline run."""
     pipeline = PosePipeline(len(library.clip_root), PoseSkeleton.legs_only()[0])
     pipeline.sample[0] = np.arange(len(library.clip_root))
     return np.asarray(pipeline.run(library.leg_store)[0], np.float64)
 
 
 def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
-    """The clip and the measure of it that a node is, or the node alone as a clip where its lines were moved (T140)."""
+    """Return clip and measure of a node, or the node as a clip of its own if its lines were moved (T140)."""
     step, measure = library.clips[library.node_clip[node]], int(library.node_measure[node])
     first = library.node_first[node] - library.node_lead[node]
     size = library.node_last[node] - library.node_first[node]
@@ -226,7 +229,7 @@ def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
 
 
 def _feet(library: StepLibrary) -> list[Feet]:
-    """The feet of every clip, by one run of the pose pipeline over all samples."""
+    """Return the feet of every clip, in one run of the pose pipeline over all samples."""
     joints, position = PoseSkeleton.legs_only()[1], _legs(library)
     ankles, balls = (position[:, np.searchsorted(joints, names)] for names in (ANKLES, BALLS))
     feet, begin = [], 0
@@ -246,10 +249,10 @@ def _root_at(library: StepLibrary, sample: Float64) -> Float64:
 
 
 def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
-    """Heading of the body around the beginning and the end of each measure, and over all of it [rad], (N,) each.
+    """Return the body heading at the beginning, at the end and over all of each measure [rad], (N,) each.
 
-    The line from the right to the left upper leg and that between the shoulders are averaged: hips alone sway with
-    every step. Means of angles are taken as means of unit vectors.
+    The line from the right to the left upper leg and that between the shoulders are averaged, because hips alone sway
+    with every step. Means of angles are means of unit vectors.
     """
     end, start = transition_windows(library, window)
     whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
@@ -260,7 +263,7 @@ def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Floa
             across = cloud[:, :, left] - cloud[:, :, right]
             direction = across[..., 0] + 1j * across[..., 2]
             total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
-        # facing +z the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
+        # facing +z, the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
         return np.ascontiguousarray(-np.angle(total), np.float64)
 
     return mean(start), mean(end), mean(whole)

@@ -1,4 +1,4 @@
-"""Random walks through a motion graph: a dance that nobody has planned and that fits the metre (T038, T120)."""
+"""Random walks through a motion graph: unplanned dances that fit the metre (T038, T120)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -9,11 +9,11 @@ Int32 = npt.NDArray[np.int32]
 
 
 def random_walk(graph: MotionGraph, measures: int, *, seed: int, start: int | None = None) -> Int32:
-    """The nodes of a random dance, (`measures`,): at every measure line one of the edges, all alike.
+    """Return the nodes of a random dance, (`measures`,), choosing one of the edges uniformly at every measure line.
 
     Nodes lie at measure ends only, so any walk keeps to the metre; in a pruned graph it never ends (T037). It begins
     at `start`, or at random where a step begins. The same seed gives the same dance. ValueError for less than one
-    measure, a start that is no living node, or a dead end in a graph that was not pruned.
+    measure, a start that is not alive, or a dead end in an unpruned graph.
     """
     if measures < 1:
         raise ValueError(f"a walk of {measures} measures: at least 1 expected")

@@ -1,7 +1,7 @@
-"""Assembling: a path through the graph becomes one continuous motion, blended, turned and held as in the live show.
+"""Rendering of a path through the graph to one continuous motion, blended, turned and foot-locked as in the live show.
 
-All samples of the dance are asked of the pose pipeline at once, as if they were so many dancers. Only the feet are
-followed in time, for where a foot is held depends on where it stood.
+The pose pipeline processes all samples of the dance at once, as if each were a dancer. Only the feet are processed in
+time order, because a foot lock depends on the previous foot position.
 """
 
 from collections.abc import Sequence
@@ -44,15 +44,15 @@ Bool = npt.NDArray[np.bool_]
 
 SAMPLE_RATE = 60.0
 LONGEST = 400_000
-"""Samples of the longest dance that is put together: nearly two hours at 60 a second, about 1 GB while it is made."""
+"""Maximum samples of a dance: nearly two hours at 60 a second, about 1 GB during rendering."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assembled:
-    """A dance of M measures as one clip, and what is known of it."""
+    """A dance of M measures as one clip, with its measure data."""
 
     clip: Clip
-    """From the first to the last measure line; a foot is in contact where the source clips say so, in a blend both."""
+    """From the first to the last measure line; foot contacts as in the source clips, in a blend in both."""
     bpm: float
     beats_per_measure: int
     node: Int32
@@ -62,15 +62,15 @@ class Assembled:
     placement: Float64
     """x, z [m], yaw [rad] of the axes of each measure's clip, shape (M, 3)."""
     correction: Float64
-    """What was added over each measure: x, z [m], and the turn on the carrying foot [rad], shape (M, 3)."""
+    """Corrections over each measure: x, z [m], and the turn on the supporting foot [rad], shape (M, 3)."""
     take: Int32
-    """Node of the other take mixed into each measure, NO_TAKE where there is none, shape (M,)."""
+    """Node of the other take mixed into each measure, NO_TAKE if none, shape (M,)."""
     take_share: Float64
-    """How much of it, shape (M,)."""
+    """Share of the other take, shape (M,)."""
     end: Float64
-    """Hips x, z [m] and heading [rad] at the end of each measure as planned, shape (M, 3)."""
+    """Planned hips x, z [m] and heading [rad] at the end of each measure, shape (M, 3)."""
     join: Float64
-    """Begin and end [s] of the blend of each join of two clips, shape (K, 2): within a step there is none."""
+    """Begin and end [s] of the blend of each join of two clips, shape (K, 2); there is none within a step."""
 
     @property
     def beat_time(self) -> Float64:
@@ -91,15 +91,15 @@ def assemble(
     sample_rate: float = SAMPLE_RATE,
     name: str = "dance",
 ) -> Assembled:
-    """The motion of a dancer who dances the M `nodes` one after another at `bpm`.
+    """Return the motion of a dancer through the M `nodes` at `bpm`.
 
-    `turns` (M,) [rad] are inserted while one foot carries (T048-T050), `corrections` (M, 2) [m] move the hips in the
-    course of each measure, `takes` are a node (M,) and a share (M,) from 0 to 1: of that other take of the same
-    measure so much is mixed in (T069; NO_TAKE for none). She begins with her hips at `start` x, z [m], facing its
-    third number [rad]. Blends end on the measure lines, weights are C1 (K004), rotations SLERP, the root linear, and
-    each clip lies where the graph's rigid transform puts it (K001). `hold_feet`: feet that carry stay where they are
-    and no sole goes below the floor. Samples between lines are `sample_rate` a second; the last one is at or before
-    the last line. ValueError for a pair of nodes without an edge, arrays of other lengths or a dance too long.
+    `turns` (M,) [rad] are inserted while one foot supports (T048-T050). `corrections` (M, 2) [m] displace the hips over
+    each measure. `takes` are a node (M,) and a share (M,) from 0 to 1 of another take of the same measure to mix in
+    (T069; NO_TAKE for none). The hips begin at `start` x, z [m], facing its third number [rad]. Blends end on the measure
+    lines, weights are C1 (K004), rotations use SLERP, the root is linear, and the graph's rigid transform places each
+    clip (K001). `hold_feet`: supporting feet stay in place and no sole goes below the floor. There are `sample_rate`
+    samples a second; the last one is at or before the last line. ValueError for a pair of nodes without an edge, arrays
+    of other lengths or a dance that is too long.
     """
     node = np.asarray(nodes, np.int32)
     count = len(node)
@@ -157,7 +157,7 @@ def _given(values: npt.ArrayLike | None, shape: tuple[int, ...], what: str) -> F
 
 
 def edge_between(graph: MotionGraph, u: int, v: int) -> int:
-    """Index of the edge from node u to node v; ValueError, naming both, where there is none."""
+    """Return the index of the edge from node u to node v; ValueError, naming both, if there is none."""
     first, last = int(graph.edge_start[u]), int(graph.edge_start[u + 1])
     found = np.flatnonzero(graph.edge_target[first:last] == v)
     if not len(found):
@@ -174,7 +174,7 @@ def _placements(
     share: Float64,
     start: tuple[float, float, float],
 ) -> tuple[Float64, Float64]:
-    """Where each measure's clip lies (M, 3), and hips and heading at its end (M, 3): each follows from the last."""
+    """Return the placement of each measure's clip (M, 3), and hips and heading at its end (M, 3), in sequence."""
     placement, end = np.empty((len(node), 3)), np.empty((len(node), 3))
     ends, facings = own_end(graph, node, take, share)
     placed, one = np.empty((1, 4)), np.ones(1)
@@ -197,7 +197,7 @@ def _placements(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Dance:
-    """The question asked of the pose pipeline: for any place in the dance, which samples of which clips, and where."""
+    """Input of the pose pipeline: for any place in the dance, the samples, clips and placements."""
 
     graph: MotionGraph
     node: Int32
@@ -207,7 +207,7 @@ class _Dance:
     share: Float64
 
     def clip(self, place: Float64, sample_rate: float, name: str) -> Clip:
-        """The dance at `place` (T,), in measures from its beginning."""
+        """Return the dance at `place` (T,), in measures from its beginning."""
         measure = np.minimum(place.astype(np.int64), len(self.node) - 1)
         phase = np.minimum(place - measure, 1.0)
         following = np.minimum(measure + 1, len(self.node) - 1)
@@ -230,9 +230,9 @@ class _Dance:
     def _fill(
         self, pipeline: PosePipeline, which: int, measure: npt.NDArray[np.int64], phase: Float64, corrected: Float64
     ) -> None:
-        """The rows `which` (the measure's own clip) and `which` + 1 (its other take) at `phase` of the measures.
+        """Fill the rows `which` (the measure's own clip) and `which` + 1 (its other take) at `phase` of the measures.
 
-        `corrected` (T,): 1 where the corrections count, 0 in the lead-in, where they have not begun.
+        `corrected` (T,): 1 where corrections apply, 0 in the lead-in, where they have not begun.
         """
         node, take = self.node[measure], self.take[measure]
         placed = np.empty((len(node), 4))
@@ -249,13 +249,13 @@ class _Dance:
         pipeline.share[lower : lower + UPPER - LOWER + 1] = self.share[measure]
 
     def _sample(self, node: Int32, phase: Float64) -> Float64:
-        """Samples of the library at `phase` of the nodes' measures; below 0 in their lead-in."""
+        """Return library samples at `phase` of the nodes' measures; below 0 is in their lead-in."""
         library = self.graph.library
         first = library.node_first[node]
         return np.maximum(first + phase * (library.node_last[node] - first), library.node_lead[node])
 
     def _contact(self, pipeline: PosePipeline, into: Float64) -> Bool:
-        """Feet on the floor, (T, 2): where every clip that is mixed in has them there."""
+        """Return feet on the floor, (T, 2): where all mixed clips have contact."""
         contact = self.graph.library.clip_contact
         standing = [contact[np.round(sample).astype(np.int64)] for sample in pipeline.sample]
         for row, share in ((PRESENT, LOWER), (NEXT, NEXT_LOWER)):

@@ -1,4 +1,4 @@
-"""StepLibrary: all step clips as flat arrays, one node per measure (T038-T042)."""
+"""Step library: all step clips as flat arrays, one node per measure (T038-T042)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ Bool = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepLibrary:
-    """Clips one after another (S samples in all) and the measures in them (N nodes, C steps)."""
+    """Concatenated clips (S samples in all) and their measures (N nodes, C steps)."""
 
     steps: tuple[str, ...]
-    """Names of the steps, the clusters of T041, in the order in which they first came."""
+    """Names of the steps, the clusters of T041, in order of first appearance."""
     clips: tuple[StepClip, ...]
     clip_root: Float32
     """Hips of all clips [m], shape (S, 3)."""
@@ -35,27 +35,27 @@ class StepLibrary:
     clip_height: Float32
     """Soles of the left and right foot over the floor [m], shape (S, 2)."""
     store: ClipStore
-    """The same clips, and the mean pose of each node, as the pose pipeline reads them."""
+    """The same clips, and the mean pose of each node, in the format of the pose pipeline."""
     leg_store: ClipStore
-    """Of them the joints that the foot lock watches."""
+    """The joints of the clips that the foot lock needs."""
     node_clip: Int32
-    """Which of `clips` each node belongs to, shape (N,)."""
+    """Index in `clips` of each node, shape (N,)."""
     node_step: Int32
-    """Which of `steps` each node belongs to, shape (N,)."""
+    """Index in `steps` of each node, shape (N,)."""
     node_measure: Int32
-    """Measure of its step that the node holds, from 0, shape (N,)."""
+    """Index of the node's measure in its step, from 0, shape (N,)."""
     node_measures: Int32
     """Length of the node's step in measures, shape (N,)."""
     node_side: Int32
-    """-1 for measures as they were made, 1 for their mirror images (T042), shape (N,)."""
+    """-1 for original measures, 1 for mirrored ones (T042), shape (N,)."""
     node_first: Float64
     """Sample (into S) at which the measure begins, shape (N,)."""
     node_last: Float64
     """Sample at which the measure ends, shape (N,)."""
     node_lead: Float64
-    """Earliest sample of the node's clip: its lead-in reaches back to here, shape (N,)."""
+    """Earliest sample of the node's clip, where its lead-in begins, shape (N,)."""
     node_travel: Float64
-    """Way of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
+    """Displacement of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
     beats_per_measure: int
 
     @property
@@ -64,7 +64,7 @@ class StepLibrary:
         return len(self.node_clip)
 
     def step_index(self, name: str) -> int | None:
-        """Index of the step called `name` (case and underscores do not matter), None if there is none."""
+        """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""
         wanted = _plain(name)
         for index, step in enumerate(self.steps):
             if _plain(step) == wanted:
@@ -72,12 +72,12 @@ class StepLibrary:
         return None
 
     def reach(self, step: int) -> float:
-        """The longest way [m] that one measure of the step travels."""
+        """Return the longest distance [m] that one measure of the step travels."""
         ways = np.hypot(*self.node_travel[self.node_step == step].T)
         return float(ways.max()) if len(ways) else 0.0
 
     def describe(self, node: int) -> str:
-        """A node in words: step, measure of the step, direction, side."""
+        """Return a text for a node: step, measure of the step, direction, side."""
         clip = self.clips[self.node_clip[node]]
         parts = [clip.step]
         if clip.measures > 1:
@@ -115,7 +115,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
             rows.append((index, step, measure, clip.measures, first, last, begin))
     root = np.concatenate([clip.clip.root_position for clip in clips], dtype=np.float32)
     rotation = np.concatenate([clip.clip.rotation for clip in clips], dtype=np.float32)
-    # signs between which bodies bend: the pose pipeline goes straight from one sample, and one clip, to the next
+    # sign-consistent quaternions: the pose pipeline interpolates linearly between samples and between clips
     one_sign(rotation, starts)
     node = np.array(rows, np.float64).T
     begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
@@ -144,10 +144,9 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
 
 
 def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
-    """The clips of `first`, then those of `second`: as `build_library` makes it of all of them.
+    """Return the clips of `first` followed by those of `second`, equal to the result of `build_library` for all of them.
 
-    Nodes, clips and steps of `first` keep their indices; nothing is shared that could be changed. ValueError if the
-    metres differ.
+    Nodes, clips and steps of `first` keep their indices; no mutable data is shared. ValueError if the metres differ.
     """
     if first.beats_per_measure != second.beats_per_measure:
         raise ValueError(
@@ -187,12 +186,12 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
 
 
 def travel_of(root: Float32, first: Float64, last: Float64) -> Float64:
-    """Way of the hips (x, z) [m] between the samples `first` and `last` (N,) of all clips' hips, shape (N, 2)."""
+    """Return the displacement of the hips (x, z) [m] between the samples `first` and `last` (N,), shape (N, 2)."""
     return np.asarray(_at(root, last) - _at(root, first), np.float64)[:, (0, 2)]
 
 
 def _at(root: Float32, sample: Float64) -> Float32:
-    """Root positions at fractional samples, shape (N, 3)."""
+    """Return root positions at fractional samples, shape (N, 3)."""
     low = np.clip(np.floor(sample).astype(np.int64), 0, len(root) - 1)
     high = np.minimum(low + 1, len(root) - 1)
     t = (sample - low)[:, None]
@@ -201,6 +200,6 @@ def _at(root: Float32, sample: Float64) -> Float32:
 
 
 def window_samples(start: Float64, stop: Float64, count: int) -> Float64:
-    """`count` evenly spaced samples from start to stop of each node, shape (N, count)."""
+    """Return `count` evenly spaced samples from start to stop of each node, shape (N, count)."""
     t = np.linspace(0.0, 1.0, count)
     return np.asarray(start[:, None] * (1.0 - t) + stop[:, None] * t, np.float64)

@@ -1,4 +1,4 @@
-"""Kernels of a library's storage: signs of quaternions along clips, and what mean poses are made of."""
+"""Kernels of the library's storage: quaternion signs along clips, and sums for mean poses."""
 
 import math
 
@@ -14,10 +14,10 @@ Int64 = npt.NDArray[np.int64]
 
 @kernel("void(f4[:,:,::1], i8[::1])")
 def one_sign(rotation: Float32, clip_start: Int64) -> None:
-    """Give rotations (S, J, 4) in place the signs between which a body bends.
+    """Make the signs of rotations (S, J, 4) consistent for interpolation, in place.
 
-    Within a clip each is nearest to the one before it, and each joint's are those nearest to the rest pose where it is
-    nearest to it at all. `clip_start` (clips + 1,): where the clips begin, and the end of the last.
+    Within a clip each quaternion is nearest to the one before; the sign of each joint's sequence is the one that is nearest
+    to the rest pose where they are closest. `clip_start` (clips + 1,): starts of the clips, and the end of the last.
     """
     for clip in range(clip_start.shape[0] - 1):
         first, last = clip_start[clip], clip_start[clip + 1]
@@ -41,7 +41,7 @@ def one_sign(rotation: Float32, clip_start: Int64) -> None:
 
 @kernel("void(f4[:,:,::1],i8[::1],i8[::1],f8[:,:,:,::1])")
 def rotation_moments(rotation: Float32, first: Int64, last: Int64, out: Float64) -> None:
-    """Sums of q qᵀ over the samples first to last (inclusive) of N nodes, into out (N, J, 4, 4), which must be 0."""
+    """Sum q qᵀ over the samples first to last (inclusive) of N nodes into out (N, J, 4, 4), which must be 0."""
     for n in range(first.shape[0]):
         for s in range(first[n], last[n] + 1):
             for j in range(rotation.shape[1]):
@@ -53,7 +53,7 @@ def rotation_moments(rotation: Float32, first: Int64, last: Int64, out: Float64)
 
 @kernel("void(f4[:,:,::1],i8[::1],i8[::1],f8[:,:,::1],f8[:,:,::1])")
 def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, out: Float64) -> None:
-    """Mean rotation vector from `centre` (N, J, 4) over the samples first to last of N nodes, into out (N, J, 3)."""
+    """Write the mean rotation vector from `centre` (N, J, 4) over samples first to last of N nodes into out (N, J, 3)."""
     for n in range(first.shape[0]):
         count = float(last[n] + 1 - first[n])
         for j in range(rotation.shape[1]):

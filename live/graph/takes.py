@@ -1,4 +1,4 @@
-"""Takes: the other clips of the same step that may be mixed into a measure, live (T044-T047)."""
+"""Takes: other clips of the same step that may be mixed into a measure, live (T044-T047)."""
 
 from dataclasses import dataclass
 
@@ -16,19 +16,19 @@ NO_TAKE = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Takes:
-    """For each of N nodes the nodes that hold the same measure of the same step in another take, as compressed rows."""
+    """For each of N nodes, the nodes with the same measure of the same step in another take, as compressed rows."""
 
     start: Int32
     """Takes of node u are start[u] to start[u + 1], shape (N + 1,)."""
     node: Int32
-    """Nodes, in the order of the library."""
+    """Nodes, in library order."""
 
     def count(self, nodes: Int32) -> Int32:
-        """How many other takes each of `nodes` (A,) has, (A,)."""
+        """Return the number of other takes of each of `nodes` (A,), (A,)."""
         return np.asarray(self.start[nodes + 1] - self.start[nodes], np.int32)
 
     def draw(self, nodes: Int32, chance: Float64) -> Int32:
-        """One take for each of `nodes` (A,) by its `chance` in [0, 1), NO_TAKE where there is none, (A,)."""
+        """Return one take for each of `nodes` (A,) by its `chance` in [0, 1), NO_TAKE if there is none, (A,)."""
         count = self.count(nodes)
         place = self.start[nodes] + (chance * count).astype(np.int32)
         found = (
@@ -38,13 +38,13 @@ class Takes:
 
 
 def find_takes(library: StepLibrary, leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
-    """All takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
+    """Return all takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
-    The rule is that of `check_same_structure`; a measure of a stream (T037) is no other's take, and neither is one of
-    those that are `leaving` (N,).
+    The rule is that of `check_same_structure`. Measures of a stream (T037) and those that are `leaving` (N,) are not
+    takes of any other.
     """
     numbers: dict[tuple[object, ...], int] = {}
-    # what two takes share: all that must be equal but the side; -1 where there is nothing that could
+    # key of a take: all that must be equal but the side; -1 if the clip has no takes
     kind = np.array([-1 if c.in_stream else numbers.setdefault(_kind(c), len(numbers)) for c in library.clips])
     foot = np.array([("", "left", "right").index(clip.leading_foot) for clip in library.clips])
     mirrored = np.array([clip.mirrored for clip in library.clips])

@@ -1,7 +1,7 @@
-"""Structure: which steps may follow which, whatever their poses look like (T135, T136).
+"""Structure rules: which steps may follow which, independent of pose distance (T135, T136).
 
-A step that is said to end in a pose leads only to steps that are said to begin in it, and to those of which nobody has
-said anything. A step that transfers the weight ends on the other foot: its repeat is an instance of the other side.
+A step with a named end pose leads only to steps with the same begin pose, and to steps without a named one. A step
+that transfers the weight ends on the other foot, so its repeat is an instance of the other side.
 """
 
 from dataclasses import dataclass
@@ -19,16 +19,16 @@ Int64 = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StructureCodes:
-    """The structure of N nodes in two numbers at each end, so that pairs can be compared without a table (N, N)."""
+    """The structure of N nodes as two numbers at each end, so that pairs can be compared without a table (N, N)."""
 
     leaving: Int32
-    """Of each node as the first of a pair: its end pose (-1: any) and what may not follow (-1: nothing), (N, 2)."""
+    """For each node as the first of a pair: its end pose (-1: any) and what may not follow (-1: nothing), (N, 2)."""
     entering: Int32
-    """Of each node as the second: its begin pose (-1: any) and what it may not follow (-1: nothing), (N, 2)."""
+    """For each node as the second: its begin pose (-1: any) and what it may not follow (-1: nothing), (N, 2)."""
 
 
 def structure_codes(library: StepLibrary) -> StructureCodes:
-    """u may be followed by v where the poses agree or one is -1, and the other numbers differ or are -1."""
+    """Return codes: u may be followed by v if the poses agree or one is -1, and the other numbers differ or are -1."""
     plain = {name: plain_pose(name) for clip in library.clips for name in (clip.end_pose, clip.begin_pose)}
     poses = {"": -1} | {name: number for number, name in enumerate(sorted({*plain.values()} - {""}))}
     sides: dict[tuple[str, str], int] = {}
@@ -41,7 +41,7 @@ def structure_codes(library: StepLibrary) -> StructureCodes:
 
 
 def may_follow(library: StepLibrary) -> Bool:
-    """Whether the clip of node v may follow that of node u as far as its structure goes, shape (N, N)."""
+    """Whether the structure allows the clip of node v to follow that of node u, shape (N, N)."""
     everything = np.arange(library.node_count)
     return may_follow_between(library, everything, everything)
 
@@ -55,17 +55,17 @@ def may_follow_between(library: StepLibrary, first: Int64, second: Int64) -> Boo
 
 
 def plain_pose(name: str) -> str:
-    """The name of a pose as names are compared: case and blanks do not matter."""
+    """Return a pose name normalized for comparison: case and blanks do not matter."""
     return " ".join(name.casefold().split())
 
 
 def begun_side(clip: StepClip) -> str:
-    """The side on which a step is begun: the leading foot; if nobody has told it, as it was danced or mirrored."""
+    """Return the side on which a step begins: the leading foot; if not given, as danced or mirrored."""
     return clip.leading_foot or ("mirrored" if clip.mirrored else "as danced")
 
 
 def unmatched_poses(library: StepLibrary) -> dict[str, str]:
-    """Steps whose variations all end, or all begin, in poses that no clip matches: step → why, in words (T043)."""
+    """Return steps whose variations all end, or all begin, in poses that no clip matches: step → reason (T043)."""
     begins = {plain_pose(clip.begin_pose) for clip in library.clips}
     ends = {plain_pose(clip.end_pose) for clip in library.clips}
     words: dict[str, str] = {}

@@ -193,7 +193,7 @@ def clock_in_words(figures: dict[str, Any]) -> str:
     """Return the overlay's line on the clock: source, state and confidence, and what it waits for."""
     words = [str(figures["source"])]
     if figures["source"] != "internal":
-        words += [str(figures["clock_state"]), f"sure to {figures['confidence']:.0%}"]
+        words += [str(figures["clock_state"]), f"confidence {figures['confidence']:.0%}"]
     if figures["clock_choice"] not in ("auto", figures["source"]):
         words.append(f"waits for {figures['clock_choice']}")
     others = [name for name, state in figures["clock_sources"].items() if state == "locked"]

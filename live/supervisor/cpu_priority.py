@@ -1,4 +1,4 @@
-"""Priority: what a process of the show may ask of the scheduler; what is refused changes nothing."""
+"""Scheduling priority of the show's processes; requests that the system refuses have no effect."""
 
 import contextlib
 import os
@@ -11,16 +11,16 @@ from typing import Final
 ENGINE_NICE: Final = -5
 AUDIO_NICE: Final = -10
 BACK_NICE: Final = 5
-"""Of the session of whoever prepares itself: a third of the weight. Anybody may take it back, unlike a thread's."""
+"""Nice value of the session of a process that prepares itself: a third of the weight. Unlike a thread's nice value, it
+can be lowered again without privileges."""
 AGAIN: Final = 0.03
-"""The system lets users without rights change such a weight ten times a second; who is told to wait asks again after
-so many seconds, ..."""
+"""Seconds between two attempts: unprivileged users may change this weight only ten times a second, ..."""
 TIMES: Final = 8
-"""... so often."""
+"""... and number of attempts."""
 
 
 def _threads(process: int | str = "self") -> list[int]:
-    """The kernel's numbers of all threads of this process, or of another one."""
+    """Return the kernel's numbers of all threads of a process."""
     with contextlib.suppress(OSError):
         return [int(path.name) for path in Path(f"/proc/{process}/task").iterdir()]
     return [0] if process == "self" else []
@@ -35,10 +35,10 @@ def _use(processors: Iterable[int], policy: int, process: int | str = "self") ->
 
 
 def _weigh(nice: int, process: int | str = "self") -> bool:
-    """Weigh a process' whole session against others; whether that was allowed.
+    """Set the nice value of a process' whole session; return whether that was allowed.
 
-    Where the scheduler groups threads by session (sched_autogroup(7)), their own nice values only count within it, and
-    every process of a show is a session of its own.
+    Where the scheduler groups threads by session (sched_autogroup(7)), their own nice values count only within it, and
+    every process of a show has its own session.
     """
     for _ in range(TIMES):
         try:
@@ -53,9 +53,10 @@ def _weigh(nice: int, process: int | str = "self") -> bool:
 
 
 def stand_back() -> frozenset[int]:
-    """Whoever prepares itself while a show runs: one processor only, and after all others that want it.
+    """Lower the priority of this process while it prepares itself during a show: one processor, after all other
+    processes.
 
-    Not `nice`, from which nobody without a right comes back. Returns the processors it had.
+    Does not use `nice`, which cannot be undone without privileges. Returns the processors it had.
     """
     if sys.platform != "linux":
         return frozenset()
@@ -66,18 +67,18 @@ def stand_back() -> frozenset[int]:
 
 
 def bring_forward(process: int) -> None:
-    """Let a process that stood back prepare itself as fast as it can, for it is needed now."""
+    """Give a process of lowered priority all processors and normal weight, because it is needed now."""
     if sys.platform == "linux":
         _use(os.sched_getaffinity(0), os.SCHED_OTHER, process)
         _weigh(0, process)
 
 
 def come_forward(nice: int, processors: frozenset[int] = frozenset()) -> None:
-    """Those processors again (none: as it is), and a better share where the system allows it (limits.conf, nice)."""
+    """Restore those processors (none: no change) and raise the priority if the system allows it (limits.conf, nice)."""
     if sys.platform == "linux":
         if processors:
             _use(processors, os.SCHED_OTHER)
-        if not _weigh(nice):  # the system allows that to some only
+        if not _weigh(nice):  # needs a privilege
             _weigh(0)
         for thread in _threads():
             with contextlib.suppress(OSError):

@@ -1,7 +1,7 @@
-"""Deaths: where engines ended, and what the next one is told so that it does not end there, too.
+"""Record of where engines died, and the advice for the next engine so that it does not die there, too.
 
-The supervisor sees the tick and the stage that ran in the engine's page of shared memory, however it ended: by an
-error, a signal, a hang that was ended, or for want of memory. It needs no array for that.
+The supervisor reads the running tick and stage from the engine's shared memory, whatever ended it: an error, a signal,
+a kill after a hang, or lack of memory.
 """
 
 from collections import deque
@@ -11,39 +11,39 @@ from typing import Any, Final
 from live.supervisor.restart_policy import RestartLimit
 
 IN_A_ROW: Final = 3
-"""So many engines that ended in one stage within `SECONDS` put it out of service, in whatever ticks that was."""
+"""Number of engines that end in one stage within `SECONDS`, in any tick, before it is put out of service."""
 SECONDS: Final = 30.0
 DRAWING: Final = 32
-"""The number of `Stage.DRAWING`; those below are stages of a tick, as are those above."""
+"""Number of `Stage.DRAWING`; all other numbers are stages of a tick."""
 
 
 @dataclass(slots=True)
 class Lesson:
-    """What an engine that goes on is told of the ones before it."""
+    """Advice for an engine that resumes, from the deaths of its predecessors."""
 
     tick: int = 0
     stage: int = 0
-    """The stage of that tick which ran; 0: none."""
+    """The stage that ran in that tick; 0: none."""
     times: int = 1
-    """So many engines in a row ended there."""
+    """Number of engines in a row that ended there."""
     trip: bool = False
-    """Whether the stage has ended so many, in whatever ticks, that it is put out of service."""
+    """Whether the stage has ended so many engines, in any tick, that it is put out of service."""
     calm: bool = False
-    """Whether devices, of which no tick knows, are left alone from now on (stage.md 4.7: three in thirty seconds)."""
+    """Whether devices, which run outside of ticks, are not used from now on (stage.md 4.7: three in thirty seconds)."""
     plain: bool = False
-    """Whether pictures are drawn as simply as can be from now on."""
+    """Whether pictures are drawn in the simplest way from now on."""
 
     def told(self) -> dict[str, Any]:
-        """As plain values."""
+        """Return it as plain values."""
         return asdict(self)
 
 
 class Deaths:
-    """Judges the ends of one show's engines. Thread: the supervisor's."""
+    """Records and judges the deaths of one show's engines. Thread: the supervisor's."""
 
     def __init__(self) -> None:
         self.count = 0
-        """Engines that ended, since the start."""
+        """Engines that have ended since the start."""
         self._outside = RestartLimit()
         self._last: tuple[int, int] | None = None
         self._times = 0
@@ -51,10 +51,10 @@ class Deaths:
         self._calm = self._plain = False
 
     def note(self, now: float, tick: int, stage: int, *, blamed: bool = True) -> Lesson:
-        """An engine ended at `now` [s] in `stage` of `tick`, or outside of all ticks (0), or drawing.
+        """Record that an engine ended at `now` [s] in `stage` of `tick`, outside of all ticks (0), or while drawing.
 
-        Not `blamed`: it was ended on an overloaded machine, and may only have been slow. That counts for nothing, but
-        where the next one is ended in the same stage of the same tick, too.
+        Not `blamed`: it was killed on an overloaded machine and may only have been slow. That counts only if the next
+        one is killed in the same stage of the same tick.
         """
         self.count += 1
         if not stage and blamed:

@@ -1,4 +1,4 @@
-"""Engines: the one that dances, the one that waits, and how the show goes from one to the other."""
+"""Engine failover: runs the active and the spare engine and moves the show from one to the other."""
 
 import contextlib
 import json
@@ -20,80 +20,80 @@ from live.supervisor.supervisor_config import Orders, Report
 from live.supervisor.watchdog import overload
 
 ENDS_WITHIN: Final = 0.2
-"""Seconds in which a process is gone whose end was seen at its wire."""
+"""Seconds within which a process ends after its channel has closed."""
 STEPS: Final = ('"StepsAdded"', '"StepsChanged"')
-"""Events that only an engine can act on that has read the steps since."""
+"""Events that an engine can apply only if it has loaded the steps after them."""
 TRY_AGAIN: Final = 0.2
-"""Seconds after which it is tried again where the system has no room for an engine: nobody dances meanwhile."""
+"""Seconds until the next attempt if the system has no resources for an engine: no engine runs meanwhile."""
 CALM_APART: Final = 5.0
-"""Seconds between two starts once engines crash that are calm already; they double, up to a minute."""
+"""Seconds between two starts if engines crash in calm mode; doubled each time, up to a minute."""
 STANDS_BACK: Final = 60.0
-"""Seconds for which an overload keeps a spare from being prepared; then it is needed more than it costs."""
+"""Most seconds for which an overload delays the spare engine; after that it is needed more than it costs."""
 PATIENT: Final = 8.0
-"""So many times as long as the first engine the last one may be silent, if the machine was overloaded each time."""
-READY: Final = "this machine stands by: it dances what the other one dances"
-"""Said to the person; before that a machine that is to take over has to begin first, which takes seconds."""
+"""Largest factor on the limit for silence, reached if the machine was overloaded each time."""
+READY: Final = "this machine stands by: it runs the same show as the leader"
+"""Shown to the person. Before that, a take-over takes seconds, because the engine still starts."""
 TRIES: Final = 3
-"""Engines that may end before one has gone on with a show that was cut off."""
+"""Engines that may end before one resumes an interrupted show."""
 
 
 class Engines:
-    """Thread: the supervisor's."""
+    """The engines of a show: the active one and the spare. Thread: the supervisor's."""
 
     def __init__(
         self, orders: Orders, starter: Starter, report: Report, say: Callable[[str], None], inherit: dict[str, int]
     ) -> None:
-        """`inherit`: descriptors that every engine has, by what they are called in its brief."""
+        """`inherit`: descriptors that every engine inherits, by their names in its first message."""
         self._orders, self._starter, self._report, self._say, self._inherit = orders, starter, report, say, inherit
         self.log = Log()
         self.nursery = Nursery(starter)
         self.engine: Child | None = None
         self.spare: Child | None = None
         self.code: int | None = None
-        """The exit code with which the show is over."""
+        """Exit code of the show, once it is over."""
         self.on_line: Callable[[str, bool], None] = lambda line, kept: None
-        """Told each line of the show, and whether it belongs into the journal."""
+        """Called with each line of the show and whether it belongs into the journal."""
         self.on_asked: Callable[[dict[str, Any]], None] = lambda asked: None
-        """Told what an engine asks of the others."""
+        """Called with each request of an engine to other parts."""
         self.mark: tuple[Wire | None, int] = (None, 0)
-        """Over which wire the last line of the show came, and the how manieth it was there."""
+        """Channel of the last line of the show, and its number there."""
         self.screen: dict[str, Any] = {}
         self.role = "engine"
-        """What the next engine begins as: engine, heir (there is a show to go on with), standby."""
+        """Role of the next engine: engine, heir (resumes a running show), standby."""
         self.since: float | None = None
-        """Since when the engine has been running [s, monotonic]."""
+        """When the engine began to run [s, monotonic]."""
         self._deaths = Deaths()
         self._lesson = Lesson()
-        self._why = ""  # what the last engine said of the error that ended it
-        self._ended: dict[int, int] = {}  # codes of ends that were told, by process
+        self._why = ""  # error that the last engine reported
+        self._ended: dict[int, int] = {}  # announced exit codes, by process
         self._apart, self._spare_backoff = Backoff(free=0, first=CALM_APART), Backoff()
-        self._patience = 1.0  # how long silence lasts before it is death, in the usual limits
-        self._blamed = True  # whether an engine that ended did so by its own fault
+        self._patience = 1.0  # factor on the usual limits for silence
+        self._blamed = True  # whether the engine's end counts as its own fault
         self._overloaded_since: float | None = None
         self.danced = False
-        """Whether one has danced."""
-        self._most: int | None = None  # engines that may end before one has danced; None: any number
+        """Whether any engine has run."""
+        self._most: int | None = None  # engines that may end before one has run; None: any number
         self._start_at = self._spare_at = self._begun_at = 0.0
         self._died: float | None = None
-        self._dead: list[Child] = []  # which the system has not cleared away yet
-        self._anew = False  # calm already, and crashed all the same
-        self._undanced = 0.0  # seconds without a dance: engines that begin slowly shall not seem to crash seldom
+        self._dead: list[Child] = []  # dead, but not reaped yet
+        self._anew = False  # crashed although already calm
+        self._undanced = 0.0  # downtime [s], so that slow starts do not make crashes seem rare
 
     def take(self, line: str) -> None:
-        """A line of the show: into the log, to the spare, and to whoever else is told."""
+        """Handle a line of the show: log it, send it to the spare engine and pass it on."""
         begun = bool(self.log.header)
         if begun and line.startswith('{"journal"'):
-            return  # an engine that goes on says who it is as well; the show has begun with the first
+            return  # an engine that resumes sends a header, too; only the first one counts
         kept = self.log.take(line)
         if self.spare is not None and begun:
             self.spare.wire.put(line)
             if any(name in line for name in STEPS) and kept:
-                self.spare.terminate()  # it has the steps of before; the next one has those of now
+                self.spare.terminate()  # it has loaded outdated steps
                 self.nursery.stop()
         self.on_line(line, kept)
 
     def adopt(self, found: Adoption) -> None:
-        """Go on with an engine that another supervisor had."""
+        """Adopt an engine that another supervisor started."""
         for line in found.lines:
             self.log.take(line)
         child = Child.adopted("engine", found.wire, found.heart, found.process)
@@ -107,13 +107,13 @@ class Engines:
         self._starter.listen(child.wire, hear, child.kill)
 
     def resume(self, left: CutOff) -> None:
-        """Go on with a show of which no process is left."""
+        """Resume a show of which no process is left."""
         for line in left.lines:
             self.log.take(line)
         self.role, self._most = "heir", TRIES
 
     def look(self, now: float) -> None:
-        """Who lives, who hangs, who is to be started."""
+        """Check all engines; start, kill and replace them as needed."""
         for child in [child for child in self._dead if child.process.poll() is not None]:
             self._dead.remove(child)
             child.end()
@@ -126,7 +126,7 @@ class Engines:
         self._look_at_spare(now)
 
     def facts(self) -> dict[str, Any]:
-        """What every engine is told of the others."""
+        """Update the report and return it as plain values."""
         self._report.restarts = self._deaths.count
         self._report.late = 0 if self.engine is None else self.engine.watch.late
         self._report.spared = 0 if self.engine is None else self.engine.watch.spared
@@ -136,19 +136,19 @@ class Engines:
 
     @property
     def overload(self) -> float:
-        """How much too much the machine has to do, 0 to 1, as far as the engine or this process feel it."""
+        """Overload of the machine, 0 to 1, as far as the engine or this process notices it."""
         dances = self.code is None and self.engine is not None and self.engine.phase is Phase.RUNNING
         return overload(self._starter.load, self.engine.watch if self.engine is not None and dances else None)
 
     def go(self, **more: Any) -> None:
-        """Tell the engine that follows to go on by itself."""
+        """Tell the engine that follows to run the show itself."""
         if self.engine is not None:
             order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts()}
             order["death"] = self._lesson.told()
             self.engine.wire.tell(alive="go", **order, **more)
 
     def stand_by(self) -> None:
-        """Follow another machine's show from its first line on, whatever was danced here until now."""
+        """Follow another machine's show from its first line, whatever ran here before."""
         self.log = Log()
         if self.role == "standby":
             if self.engine is not None:
@@ -164,31 +164,31 @@ class Engines:
         self.engine = self.spare = None
 
     def leave(self, number: int) -> int:
-        """Pass the signal on, and wait until the engine has closed everything; its exit code."""
+        """Pass the signal on and wait until the engine has closed everything; return the exit code."""
         engine = self.engine
         if engine is None:
             return 128 + number
         starting = engine.phase is Phase.STARTING
         engine.wire.tell(alive="leave")
-        engine.signal(signal.SIGTERM if starting else number)  # an interpreter that begins knows only this one
+        engine.signal(signal.SIGTERM if starting else number)  # a starting interpreter handles only SIGTERM
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
-        if starting or isinstance(engine.process, Adopted):  # of one that is no child nobody hears how it ended
+        if starting or isinstance(engine.process, Adopted):  # the exit code of a process that is no child is unknown
             return 128 + number
         return code if code >= 0 else 128 - code
 
     def close(self) -> None:
-        """End them."""
+        """End all engines and the prefork process."""
         for child in (self.spare, self.engine, *self._dead):
             if child is not None:
-                # whoever still begins has nothing to close, and may be where Python drops the signal's exception
+                # a starting engine has nothing to close, and Python might drop the signal's exception
                 begins = child.process.poll() is None and child.phase is Phase.STARTING
                 (child.kill if begins else child.terminate)()
                 child.end()
         self.nursery.close()
 
     def _bury(self, child: Child, code: int | None) -> int:
-        """Forget one that is dead, now or when the system has cleared it away; its exit code."""
+        """Discard a dead child, now or once the system has reaped it; return its exit code."""
         self._starter.forget(child.wire)
         if code is None or child.process.poll() is not None:
             return child.end(within=LEAVES_WITHIN)
@@ -221,7 +221,7 @@ class Engines:
         return child
 
     def _hearing(self, whose: Callable[[], Child | None]) -> Callable[[str], None]:
-        """What hears the lines of a child, which may not be there yet."""
+        """Return a handler for the lines of a child that may not exist yet."""
 
         def hear(line: str) -> None:
             if line.startswith('{"alive"'):
@@ -235,7 +235,8 @@ class Engines:
         return hear
 
     def _born(self, role: str, hear: Callable[[str], None]) -> Child | None:
-        """One out of the nursery, if there is one. Where calm engines crash, too, it may be the nursery's fault."""
+        """Start one from the prefork process, if it is ready. If engines crash even in calm mode, the prefork process
+        may be the cause and is not used."""
         if role in ("spare", "heir") and self.nursery.ready and not self._anew:
             with contextlib.suppress(OSError):
                 return self._starter.start(role, (), hear, born=self.nursery.bear)
@@ -245,7 +246,7 @@ class Engines:
         for line in self.log.since():
             child.wire.put(line)
 
-    # -- the one that dances -------------------------------------------------------------------------------------
+    # -- the active engine ---------------------------------------------------------------------------------------
 
     def _look_at(self, engine: Child, now: float) -> None:
         if engine.phase is Phase.RUNNING and self.since is None:
@@ -266,7 +267,7 @@ class Engines:
         self._starter.hear_rest(engine.wire, LEAVES_WITHIN, dead=code is not None)
         ended, running = self._ended.pop(engine.process.pid, None), engine.heart.running
         if ended is None and code is None and not engine.ends(ENDS_WITHIN):
-            engine.kill()  # only its wire is broken: it would dance on, and write on, beside the next one
+            engine.kill()  # only its channel broke: it would go on next to its successor
             code = -signal.SIGKILL
         code = self._bury(engine, code)
         if ended is not None:
@@ -278,8 +279,8 @@ class Engines:
             self._go_on(code, now, *running)
 
     def _hear(self, child: Child, told: dict[str, Any]) -> None:
-        """What an engine says that is no line of the show."""
-        if told["alive"] == "end":  # nothing else makes the end of an engine one that somebody wanted
+        """Handle a message of an engine that is no line of the show."""
+        if told["alive"] == "end":  # the only message that marks an end as requested
             if child is self.engine and isinstance(told.get("code"), int):
                 self._ended[child.process.pid] = told["code"]
         elif told["alive"] == "crash":
@@ -290,12 +291,14 @@ class Engines:
             self.on_asked(told)
 
     def _go_on(self, code: int, now: float, tick: int, stage: int) -> None:
-        """The engine died: let another one go on."""
+        """Replace the dead engine."""
         self._died, self.since = self._died or now, None
         self._anew = self._report.calm
         self._lesson = self._deaths.note(self._died - self._undanced, tick, stage, blamed=self._blamed)
         self._report.calm, self._blamed = self._lesson.calm, True
-        words = "without sound and other clocks, for it has happened too often" if self._report.calm else "in its place"
+        words = (
+            "without sound and other clocks, because it has happened too often" if self._report.calm else "in its place"
+        )
         why, self._why = self._why or how(code), ""
         self._say(f"the engine ended ({why}); another one goes on {words}")
         self.engine, self.spare = self.spare, None
@@ -312,7 +315,7 @@ class Engines:
             self.go()
 
     def _end_hung(self, engine: Child, now: float) -> None:
-        """End an engine that gives no sign of life. On an overloaded machine the next one is given longer."""
+        """Kill an engine that gives no sign of life. On an overloaded machine the next one gets a longer limit."""
         words = f"the engine has given no sign of life for {now - engine.heart.last:.1f} s"
         if self.overload > 0.0:
             self._blamed = self._patience >= PATIENT
@@ -326,7 +329,7 @@ class Engines:
         self._died, self._undanced = None, self._undanced + engine.heart.last - died
         self._say(f"the show goes on, {self._report.takeover_s:.1f} s later")
 
-    # -- the one that waits --------------------------------------------------------------------------------------
+    # -- the spare engine ----------------------------------------------------------------------------------------
 
     def _look_at_spare(self, now: float) -> None:
         self.nursery.look()
@@ -346,7 +349,8 @@ class Engines:
             self._brief(self.spare)
 
     def _ready_for_a_spare(self, now: float) -> bool:
-        """Whether one may begin now. The nursery goes before: what it bears is ready sooner than what begins now."""
+        """Whether a spare may start now. The prefork process starts first, because engines forked from it are ready
+        sooner."""
         leads = self.role != "standby" and self.since is not None
         if not (self._orders.spare and leads and now >= self._spare_at and self.log.header) or self.engine is None:
             return False
@@ -356,7 +360,7 @@ class Engines:
         return self.nursery.ready or not self.nursery.begin(self._orders.engine, brief, self._inherit, engine)
 
     def _stands_back(self, now: float) -> bool:
-        """Whether nothing is prepared now, for the machine has too much to do; but for an engine that seems to die."""
+        """Whether an overload delays the spare. It does not if the engine seems to be dying."""
         if self.overload == 0.0:
             self._overloaded_since = None
             return False
@@ -367,7 +371,7 @@ class Engines:
 
 
 def how(code: int) -> str:
-    """How a process ended, in words."""
+    """Return how a process ended, in words."""
     if code >= 0:
         return f"exit code {code}"
     try:

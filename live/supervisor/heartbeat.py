@@ -1,4 +1,4 @@
-"""Heartbeat: a process says in shared memory that it lives; whoever watches it reads, and neither ever waits."""
+"""Heartbeat of a process in shared memory; neither the writer nor the reader ever waits."""
 
 import mmap
 import os
@@ -10,38 +10,38 @@ SIZE: Final = 4096
 
 
 class Phase(IntEnum):
-    """What a process is doing."""
+    """Phase of a process."""
 
     STARTING = 0
-    """Nothing is expected of it but that it lives."""
+    """It need not send heartbeats."""
     WAITING = 1
-    """Everything is made; it waits to be needed."""
+    """It is ready and waits to be needed."""
     RUNNING = 2
-    """It beats each frame or round."""
+    """It sends a heartbeat each frame or round."""
     LEAVING = 3
-    """It closes what it has open."""
+    """It closes its files and devices."""
 
 
 class Heartbeat:
-    """Aligned words in a page of memory that two processes share: when, tick, phase, and the stage of which tick runs.
+    """Aligned words in a shared page: time, tick and phase of the last beat, and the running tick and its stage.
 
-    Each word is written at once; a reader may see a new tick with an old time, which does no harm. Thread: any, one
+    Each word is written atomically. A reader may see a new tick with an old time, which does no harm. Thread: any, one
     writer.
     """
 
     def __init__(self, descriptor: int | None = None) -> None:
-        """A new page, or (in the process that is watched) the one behind an inherited `descriptor`."""
+        """Create a new page, or, in the watched process, map the one of an inherited `descriptor`."""
         if descriptor is None:
             descriptor = os.memfd_create("heartbeat", 0)
             os.ftruncate(descriptor, SIZE)
         self.descriptor = descriptor
-        """To be inherited by the process that is watched."""
+        """Descriptor of the page, inherited by the watched process."""
         self._page = mmap.mmap(descriptor, SIZE)
         self._words = memoryview(self._page).cast("Q")
         self._stage = self._words[3:4]
 
     def beat(self, tick: int, phase: Phase) -> None:
-        """I live, and stand at `tick`."""
+        """Record a heartbeat with tick and phase."""
         self._words[1] = tick
         self._words[2] = phase
         self._words[0] = time.monotonic_ns()
@@ -63,21 +63,21 @@ class Heartbeat:
 
     @property
     def stage(self) -> memoryview:
-        """The word for the stage that runs now: a show writes it by itself (`Breakers.publish`)."""
+        """The word of the running stage, written by the show (`Breakers.publish`)."""
         return self._stage
 
     def begin_tick(self, tick: int) -> None:
-        """The tick `tick` is run now, which is a beat as well."""
+        """Record that tick `tick` starts, which also counts as a heartbeat."""
         self._words[4] = tick
         self._words[0] = time.monotonic_ns()
 
     @property
     def running(self) -> tuple[int, int]:
-        """The tick that was begun last, and the stage in which it is; 0: it is over."""
+        """The tick that was started last, and its running stage; 0: it has finished."""
         return self._words[4], self._words[3]
 
     def close(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._stage.release()
         self._words.release()
         self._page.close()

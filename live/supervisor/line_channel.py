@@ -1,4 +1,4 @@
-"""Wire: lines both ways between two processes, never waited for by the show."""
+"""Line channel: exchanges lines between two processes over a stream socket without blocking the show."""
 
 import contextlib
 import json
@@ -8,42 +8,43 @@ from collections import deque
 from typing import Any, Final
 
 BUFFER: Final = 4 * 1024 * 1024
-"""What the system is asked to hold of each direction."""
+"""Requested size of the socket's buffers."""
 BACKLOG: Final = 256 * 1024 * 1024
-"""Bytes that may wait on our own side before lines are dropped: a peer that reads no more."""
+"""Most bytes waiting to be sent before lines are dropped, because the peer has stopped reading."""
 LONGEST: Final = 64 * 1024 * 1024
-"""Bytes of one line; whoever sends a longer one is no peer of ours."""
+"""Most bytes of a received line; a longer one violates the protocol."""
 PIECE: Final = 1 << 18
 
 
 class WireBroken(Exception):
-    """What came over the wire is not of this protocol."""
+    """Received data violates the protocol."""
 
 
 class Wire:
     """One end of a stream socket that carries lines.
 
-    A line that has been taken by the system is read by the peer even when this process is killed at the next
-    instruction: that is why events go through here before they act. Thread: one.
+    The peer receives a line once the system has accepted it, even if this process is killed at the next instruction.
+    That is why events are sent here before they are applied. Thread: one.
     """
 
     def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG, longest: int | None = None) -> None:
-        """`backlog`: bytes that may wait to be sent; `longest`: bytes of a line that comes."""
+        """`backlog`: most bytes waiting to be sent; `longest`: most bytes of a received line."""
         _make_room(sock)
         self.socket = sock
         self.dropped = 0
-        """Lines that were lost, because the peer is gone or reads no more."""
+        """Lines dropped because the peer is gone or has stopped reading."""
         self.ended = False
         """Whether the peer is gone."""
         self.taken, self.heard = 0, 0
-        """Lines that were taken to be sent, and that were read and handed on: how two ends speak of the same line."""
+        """Lines accepted for sending, and lines received and handed on: both ends use these counts to identify a line.
+        """
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
         self._most, self._longest = backlog, LONGEST if longest is None else longest
         self._part = bytearray()
 
     def renew(self, sock: socket.socket) -> None:
-        """Go on with another peer, over another socket: all that is not sent or read yet is forgotten."""
+        """Continue with another peer over another socket; everything not sent or read yet is dropped."""
         self.socket.close()
         _make_room(sock)
         self.socket = sock
@@ -55,15 +56,15 @@ class Wire:
 
     @property
     def behind(self) -> int:
-        """Bytes that wait to be sent."""
+        """Bytes waiting to be sent."""
         return self._waiting_bytes
 
     def fileno(self) -> int:
-        """For selectors."""
+        """Return the socket's descriptor, for selectors."""
         return self.socket.fileno()
 
     def put(self, line: str) -> None:
-        """Send one line, without its end; what the system does not take at once waits for `flush`."""
+        """Send one line, without its line end; the part the system does not accept at once waits for `flush`."""
         self._put((line + "\n").encode())
 
     def tell(self, **values: Any) -> None:
@@ -71,7 +72,7 @@ class Wire:
         self.put(json.dumps(values, separators=(",", ":")))
 
     def flush(self) -> bool:
-        """Send what waits, as far as it can be sent now; whether nothing waits any more."""
+        """Send pending data as far as possible; return whether nothing is pending any more."""
         while self._waiting and not self.ended:
             data = self._waiting[0]
             sent = self._send(data)
@@ -83,7 +84,7 @@ class Wire:
         return not self._waiting
 
     def lines(self) -> list[str]:
-        """The whole lines that have arrived; never waits. After the last one `ended` may be true."""
+        """Return the complete lines that have arrived; never waits. After the last one `ended` may be true."""
         found: list[str] = []
         got = 0
         while (data := self._receive(got)) is not None:
@@ -101,9 +102,9 @@ class Wire:
         return found
 
     def part(self, seconds: float) -> None:
-        """Close this end for good, once the peer has read what was put, or after `seconds`.
+        """Send pending data, wait until the peer has read it, at most `seconds`, and close this end.
 
-        A peer that still sends finds a stream that is closed broken, and would read no more from it.
+        Closing at once would reset the connection of a peer that still sends, and it would lose unread lines.
         """
         deadline = time.monotonic() + seconds
         with contextlib.suppress(OSError):
@@ -133,8 +134,8 @@ class Wire:
             self._waiting_bytes += len(data)
 
     def _receive(self, got: int) -> bytes | None:
-        """What has come; None if that is all for now, nothing if the peer is gone. `got`: bytes so far, of these
-        lines."""
+        """Return received data; None if nothing is pending, empty if the peer is gone. `got`: bytes so far in this
+        call."""
         if got % PIECE:
             return None
         try:

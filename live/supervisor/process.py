@@ -1,9 +1,4 @@
-"""Child: a process that the supervisor started, with the wire to it and the heartbeat it gives.
-
-Side: a process beside the engine that is started again when it dies, less and less often if it dies at once.
-
-Starter: starts processes and hears what they say; the one place that selects.
-"""
+"""Child processes of the supervisor, auxiliary processes that are restarted, and the selector loop that reads them."""
 
 import contextlib
 import os
@@ -23,20 +18,20 @@ from live.supervisor.restart_policy import Backoff
 from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
 
 CODE: Final = 49
-"""Which word of /proc/PID/stat behind the name is the exit code: field 52 of proc(5)."""
+"""Index of the exit code among the words of /proc/PID/stat after the name: field 52 of proc(5)."""
 
 
 class Process(Protocol):
-    """What a child is to the system: `subprocess.Popen`, or one that the nursery bore."""
+    """Process handle: `subprocess.Popen`, or a process forked by the prefork process."""
 
     pid: int
 
     def poll(self) -> int | None:
-        """Its exit code (negative: the signal), None while it lives."""
+        """Return its exit code (negative: the signal); None while it runs."""
         ...
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait until it has ended; `subprocess.TimeoutExpired` after so many seconds."""
+        """Wait until it has ended; raises `subprocess.TimeoutExpired` after `timeout` seconds."""
         ...
 
     def send_signal(self, number: int) -> None:
@@ -45,7 +40,8 @@ class Process(Protocol):
 
 
 class Child:
-    """One process in a session of its own: Ctrl-C on the terminal is the supervisor's to pass on.
+    """A child process in its own session, so that Ctrl-C on the terminal reaches only the supervisor, which passes it
+    on.
 
     Thread: the supervisor's.
     """
@@ -58,10 +54,10 @@ class Child:
         inherit: Sequence[int] = (),
         born: Callable[[int, int], Process] | None = None,
     ) -> None:
-        """Start `command`, with the numbers of its wire's and its heartbeat's descriptors as two more arguments.
+        """Start `command`, with the descriptors of its channel and its heartbeat as two more arguments.
 
-        `inherit`: more descriptors that it shall have, by the same numbers; `born`: begins it instead, given those two
-        descriptors. OSError if it cannot be started.
+        `inherit`: more descriptors that it inherits, with the same numbers; `born`: starts the process instead, given
+        those two descriptors. OSError if it cannot be started.
         """
         self.role = role
         self.heart = Heartbeat()
@@ -91,11 +87,11 @@ class Child:
             theirs.close()
         self.started = time.monotonic()
         self.killed = False
-        """Whether it was ended at once, and is only not gone yet."""
+        """Whether it was killed, even if it has not ended yet."""
 
     @classmethod
     def adopted(cls, role: str, wire: Wire, heart: Heartbeat, process: Process) -> "Child":
-        """One that runs already, and that another supervisor started."""
+        """Make one for a process that already runs and that another supervisor started."""
         child = cls.__new__(cls)
         child.role, child.wire, child.heart, child.process = role, wire, heart, process
         child.watch, child.started, child.killed = Watchdog(), time.monotonic(), False
@@ -103,13 +99,13 @@ class Child:
 
     @property
     def phase(self) -> Phase:
-        """What it says that it is doing."""
+        """The phase it reports."""
         return self.heart.phase
 
     def hangs(self, now: float, slowdown: float) -> bool:
-        """Whether it has given no sign of life for too long; `slowdown`: how many times slower the machine is.
+        """Whether it has given no sign of life for too long; `slowdown`: of the machine.
 
-        Who prepares itself need not beat, but within a tick everybody does.
+        A process that starts or waits need not send heartbeats, but every process must within a tick.
         """
         if self.phase is not Phase.RUNNING and not self.heart.running[1]:
             return False
@@ -117,7 +113,7 @@ class Child:
         return self.watch.look(now, self.heart.last, lambda: usage_of(process), slowdown) is Verdict.HUNG
 
     def memory(self) -> int:
-        """Resident bytes; 0 where the system does not say."""
+        """Return its resident bytes; 0 if the system does not report them."""
         try:
             with open(f"/proc/{self.process.pid}/statm", encoding="ascii") as file:
                 return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -125,10 +121,10 @@ class Child:
             return 0
 
     def gone(self) -> int | None:
-        """Its exit code (negative: the signal) as soon as it does nothing more, None before.
+        """Return its exit code (negative: the signal) once its main thread is dead; None before.
 
-        A process that was killed is not over for the system while one of its threads has not come to die: a driver's
-        thread of low priority takes seconds to, where much else wants the processor. Its main thread is dead by then.
+        A killed process is not over for the system until all its threads have ended: a driver's thread of low priority
+        may take seconds on a busy machine.
         """
         code = self.process.poll()
         if code is not None:
@@ -140,7 +136,7 @@ class Child:
         return None
 
     def ends(self, within: float) -> bool:
-        """Whether it ends by itself within so many seconds; waits for that."""
+        """Wait up to `within` seconds for its end; return whether it ended."""
         try:
             self.process.wait(within)
         except subprocess.TimeoutExpired:
@@ -153,16 +149,16 @@ class Child:
             self.process.send_signal(number)
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill it."""
         self.killed = True
         self.signal(signal.SIGKILL)
 
     def terminate(self) -> None:
-        """Ask it to end."""
+        """Ask it to end (SIGTERM)."""
         self.signal(signal.SIGTERM)
 
     def end(self, *, within: float = 2.0) -> int:
-        """Close its wire, wait, and kill it if need be; its exit code (negative: the signal)."""
+        """Close its channel, wait, and kill it if needed; return its exit code (negative: the signal)."""
         self.wire.close()
         try:
             code = self.process.wait(within)
@@ -179,10 +175,13 @@ class Child:
 
 @dataclass(slots=True)
 class Side:
-    """The process that listens, or the one with the black window. Thread: the supervisor's."""
+    """An auxiliary process (audio, OSC reader or fallback window) that is restarted when it dies, with back-off.
+
+    Thread: the supervisor's.
+    """
 
     start: Callable[[], Child]
-    """Starts one and tells it what it has to know."""
+    """Starts one and sends its configuration."""
     say: Callable[[str], None]
     child: Child | None = None
     restarts: int = 0
@@ -190,9 +189,9 @@ class Side:
     _start_at: float | None = None
 
     def look(self, now: float, slowdown: float) -> None:
-        """Start it again if it has died or hangs. One that ended by itself, with code 0, can do nothing here.
+        """Restart it if it has died or hangs. One that ended with code 0 is not restarted: it has nothing to do here.
 
-        `slowdown`: how many times slower the machine is.
+        `slowdown`: of the machine.
         """
         child = self.child
         if child is None:
@@ -214,7 +213,7 @@ class Side:
         self.say(f"the {role} process ended{when}")
 
     def begin(self, now: float) -> None:
-        """Start it, or try again later where the system has no room for it now."""
+        """Start it; if the system lacks resources, try again later."""
         self.child, self._start_at = None, None
         try:
             self.child = self.start()
@@ -231,31 +230,31 @@ class Side:
 
 
 ROUND: Final = 0.02
-"""Seconds between two looks at the hearts."""
+"""Seconds of a round: between two checks of the heartbeats."""
 SLEPT: Final = 0.5
-"""A round that took so long [s] was one in which this process itself did not run."""
+"""In a round longer than this [s] this process itself did not run."""
 
 READ_EVERY: Final = 0.25
-"""Seconds between two readings of how loaded the machine is."""
+"""Seconds between two readings of the machine's load."""
 
 Hear = Callable[[str], None]
 
 
 class Starter:
-    """The selector, and all wires in it. Thread: the supervisor's."""
+    """Starts processes and reads all channels in one selector. Thread: the supervisor's."""
 
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
         self.awake = time.monotonic()
-        """When this process itself was last found to have slept: nobody's silence before that means death."""
+        """When this process itself last stalled: silence before that does not mean death."""
         self.load = MachineLoad(ROUND)
-        """How loaded the machine is."""
+        """Load of the machine."""
         self._read_at = 0.0
         self.meanwhile: Callable[[float], None] = lambda now: None
-        """Called while somebody's rest is heard: other machines shall not take that for silence."""
+        """Called while a channel is drained, so that other machines do not take the wait for silence."""
 
     def turn(self) -> float:
-        """Hear what comes within a round; the time [s, monotonic]."""
+        """Read what arrives within a round; return the time [s, monotonic]."""
         before = time.monotonic()
         ready = self.selector.select(ROUND)
         woken = time.monotonic()
@@ -278,13 +277,13 @@ class Starter:
         *inherit: int,
         born: Callable[[int, int], Process] | None = None,
     ) -> Child:
-        """Start a process (see `Child`); `hear` gets every line it says."""
+        """Start a process (see `Child`); `hear` gets every line it sends."""
         child = Child(role, command, inherit=inherit, born=born)
         self.listen(child.wire, hear, child.kill)
         return child
 
     def listen(self, wire: Wire, hear: Hear, broken: Callable[[], None] = lambda: None) -> None:
-        """Hear what comes over a wire, until it ends; `broken`: what it said made no sense."""
+        """Read a channel until it ends; `broken` is called if the data violates the protocol."""
 
         def read() -> None:
             try:
@@ -301,13 +300,13 @@ class Starter:
         self.selector.register(wire.socket, selectors.EVENT_READ, read)
 
     def forget(self, wire: Wire) -> None:
-        """Hear it no more; harmless if it was not heard."""
+        """Stop reading a channel; harmless if it is not read."""
         if wire.fileno() >= 0 and wire.socket in self.selector.get_map():
             self.selector.unregister(wire.socket)
 
     def hear_rest(self, wire: Wire, within: float, *, dead: bool = False) -> None:
-        """Hear a wire to its end: what was said last counts, however its process ended. `dead`: it says nothing more,
-        so that all there will be is there."""
+        """Read a channel to its end, because the last lines count however the process ended. `dead`: the process has
+        ended, so one round reads all there is."""
         if dead:
             self.turn()
             return
@@ -316,5 +315,5 @@ class Starter:
             self.meanwhile(self.turn())
 
     def close(self) -> None:
-        """Select no more."""
+        """Close the selector."""
         self.selector.close()

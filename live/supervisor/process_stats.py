@@ -1,9 +1,7 @@
-"""What Linux says of processes and of the machine: /proc, read as it is; nothing of it is there on other systems.
+"""Readings of processes and of the machine from /proc (Linux only), and a reaper for orphaned children.
 
-Reaper: waits for children that nobody else waits for, so that none stays a zombie.
-
-The supervisor adopts whoever below it loses its parent: the helpers of an engine that was killed, who was between the
-two forks of a nursery that was killed. Nobody holds a handle on these.
+The supervisor adopts descendants that lose their parent: helpers of a killed engine, or the intermediate process of a
+killed prefork process. No part holds a handle on these, so `Reaper` waits for them and none stays a zombie.
 """
 
 import contextlib
@@ -15,11 +13,12 @@ from live.supervisor.watchdog import MachineReading, Usage
 
 CLOCK: Final = os.sysconf("SC_CLK_TCK")
 PARENT, USER, KERNEL = 1, 11, 12
-"""Which words of /proc/PID/stat behind the name are the parent and the processor times: fields 4, 14, 15 of proc(5)."""
+"""Indices of parent and processor times among the words of /proc/PID/stat after the name: fields 4, 14, 15 of proc(5).
+"""
 
 
 def stat_of(process: int, thread: int | None = None) -> list[str]:
-    """The words of /proc/PID/stat behind the name, the state first; empty if there is none such."""
+    """Return the words of /proc/PID/stat after the name, the state first; empty if there is no such process."""
     where = f"/proc/{process}/stat" if thread is None else f"/proc/{process}/task/{thread}/stat"
     with contextlib.suppress(OSError), open(where, encoding="utf-8", errors="replace") as file:
         return file.read().rpartition(")")[2].split()
@@ -27,7 +26,7 @@ def stat_of(process: int, thread: int | None = None) -> list[str]:
 
 
 def usage_of(process: int) -> Usage | None:
-    """Times of a process' threads; None if there is none such. Some tenths of a millisecond."""
+    """Return the times of a process' threads; None if there is no such process. Takes some tenths of a millisecond."""
     stat = stat_of(process, process)
     if len(stat) <= KERNEL:
         return None
@@ -43,7 +42,7 @@ def usage_of(process: int) -> Usage | None:
 
 
 def _run_and_delay(process: int, thread: int) -> tuple[float, float] | None:
-    """Seconds run and waited for a processor; None where the kernel does not count them."""
+    """Return the seconds run and waited for a processor; None where the kernel does not count them."""
     with contextlib.suppress(OSError, ValueError):
         with open(f"/proc/{process}/task/{thread}/schedstat", encoding="ascii") as file:
             run, delay, slices = (int(word) for word in file.read().split())
@@ -53,7 +52,7 @@ def _run_and_delay(process: int, thread: int) -> tuple[float, float] | None:
 
 
 def machine() -> MachineReading:
-    """Who wants a processor now, and how long was waited for processors, memory and disks."""
+    """Return the machine's runnable threads and its stalls for processors, memory and disks."""
     runnable = None
     with contextlib.suppress(OSError, ValueError, IndexError), open("/proc/loadavg", encoding="ascii") as file:
         runnable = max(int(file.read().split()[3].partition("/")[0]) - 1, 0) / len(os.sched_getaffinity(0))
@@ -64,14 +63,14 @@ def machine() -> MachineReading:
 
 
 def _pressure(resource: str) -> dict[str, float]:
-    """Seconds of stall, by kind; empty where the kernel does not count them, or is told not to (psi=0)."""
+    """Return seconds of stall by kind; empty where the kernel does not count them (psi=0)."""
     with contextlib.suppress(OSError, ValueError), open(f"/proc/pressure/{resource}", encoding="ascii") as file:
         return {line.split()[0]: int(line.rpartition("total=")[2]) * 1e-6 for line in file if "total=" in line}
     return {}
 
 
 def zombies() -> Iterator[int]:
-    """Children of this process that are dead and not waited for yet."""
+    """Yield the children of this process that are dead and not reaped yet."""
     mine = str(os.getpid())
     for name in os.listdir("/proc"):
         if name.isdecimal():
@@ -81,22 +80,23 @@ def zombies() -> Iterator[int]:
 
 
 EVERY: Final = 0.25
-"""Seconds between two looks."""
+"""Seconds between two checks."""
 GRACE: Final = 1.0
-"""Seconds that whoever started a process has for waiting for it: exit codes are theirs."""
+"""Seconds in which the part that started a process can reap it itself and read its exit code."""
 
 
 class Reaper:
-    """Thread: the one that starts processes, for the system knows children by process."""
+    """Reaps children for which no other part waits. Thread: the one that starts processes, because children belong to
+    it."""
 
     def __init__(self) -> None:
         self._look_at = 0.0
         self._seen: dict[int, float] = {}
         self.count = 0
-        """Processes that were cleared away here."""
+        """Processes reaped here."""
 
     def look(self, now: float) -> None:
-        """Clear away who has been dead for longer than a moment; `now` [s]."""
+        """Reap children that have been dead for longer than `GRACE`; `now` [s]."""
         if now < self._look_at:
             return
         self._look_at = now + EVERY

@@ -1,8 +1,8 @@
-"""Recovery: a show goes on after an engine has died, without what killed it (crash-only software, Candea & Fox 2003).
+"""Recovery of a show after an engine has died, without the event or stage that killed it.
 
-What was applied in the tick that died is tried once more. If the tick dies again, its events are left out
-(quarantine); if it dies without them, or had none, the stage it died in is put out of service (`live/show/breakers`).
-Whoever follows, and a replay, is told by lines of the journal, so that all come to the same state.
+This is crash-only software (Candea & Fox 2003). The events applied in the failed tick are tried once more. If the tick
+fails again, they are left out (quarantine). If it fails without them, or had none, the stage it failed in is put out of
+service (`live/show/breakers`). Journal lines record this, so that followers and replays reach the same state.
 """
 
 import contextlib
@@ -22,9 +22,9 @@ from live.show.state.snapshot import SnapshotError, Snapshots, restore
 from live.supervisor.state_follower import Following, Line, TickFailed, is_event
 
 ATTEMPTS: Final = 32
-"""So often at most a show is run on from where it stood: each time something more is left out."""
+"""Most attempts to run the show from where it stood; each time something more is left out."""
 TRANSIENT: Final = 2
-"""A tick that another engine ran well is tried so often again before its stage is to blame."""
+"""Retries of a tick that another engine ran well, before its stage is blamed."""
 RESET: Final = ResetBreaker.__name__
 SOURCE: Final = "supervisor"
 
@@ -34,17 +34,17 @@ class Death:
     """How the engine before this one ended."""
 
     tick: int = 0
-    """The tick that ran, if `stage` is one; else the last that was told."""
+    """The tick that ran if `stage` is set, else the last one received."""
     stage: int = int(Stage.OUTSIDE)
     """The stage that ran."""
     times: int = 1
-    """So many engines in a row ended there."""
+    """Number of engines in a row that ended there."""
     trip: bool = False
-    """Whether that stage has ended so many engines, in whatever ticks, that it is put out of service."""
+    """Whether that stage has ended so many engines, in any tick, that it is put out of service."""
 
     @classmethod
     def of(cls, told: object) -> "Death":
-        """From what the supervisor says; what makes no sense is taken as nothing known."""
+        """Read it from the supervisor's message; invalid values count as unknown."""
         if not isinstance(told, dict):
             return cls()
         tick, stage, times = (told.get(key) for key in ("tick", "stage", "times"))
@@ -55,20 +55,20 @@ class Death:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """A show that can go on."""
+    """A show that can resume."""
 
     show: Show
     lines: tuple[str, ...] = ()
-    """What belongs into the journal before anything else: who is left out, what is out of service, measures."""
+    """Lines to write into the journal first: events left out, stages out of service, measures."""
     notes: tuple[str, ...] = ()
-    """The same in a person's words."""
+    """The same as notes for the person."""
 
 
 class Recovery:
-    """Runs what one show was told until it stands where the engine that died stood. Thread: one."""
+    """Runs the received lines until the show stands where the dead engine stood. Thread: one."""
 
     def __init__(self, following: Following, death: Death | None = None) -> None:
-        """`following` stands at a measure line, or nothing of it is run yet."""
+        """`following` stands at a measure line, or has run nothing yet."""
         self._following, self._death = following, death or Death()
         self._told = following.waiting
         self._start = self._stands()
@@ -80,14 +80,14 @@ class Recovery:
         self._last = max((value["tick"] for value in self._told if len(value) > 1), default=following.tick)
         told = max((value["tick"] for value in self._told), default=following.tick)
         self._dies_at = self._death.tick if self._death.stage else 0
-        self._until = max(told, self._dies_at)  # later ticks are the next engine's own
+        self._until = max(told, self._dies_at)  # later ticks belong to the next engine
         self._passed = min(told, self._until - 1) if self._dies_at else told
-        self._anew = False  # whether what was danced since the last snapshot is danced anew
+        self._anew = False  # whether everything since the last snapshot is rerun
         self._refused: list[Line] = []
-        self._own: list[Line] = []  # what this recovery has put among what was told
+        self._own: list[Line] = []  # lines that this recovery has inserted
 
     def run(self) -> Recovered:
-        """The show, without what made it end; TickFailed if nothing has helped."""
+        """Return the show without the cause of the failure; TickFailed if no attempt has helped."""
         following = self._following
         self._foresee(self._death)
         for _ in range(ATTEMPTS):
@@ -107,7 +107,7 @@ class Recovery:
     # -- where it begins -----------------------------------------------------------------------------------------
 
     def _stands(self) -> tuple[LoadedShow, bytes, int] | None:
-        """What brings the show back to where it stands; None where it is run from the last snapshot that was told."""
+        """Return the state to restart from; None if the show is rerun from the last received snapshot."""
         following = self._following
         if following.show is None:
             return None
@@ -129,7 +129,7 @@ class Recovery:
     # -- what is left out ----------------------------------------------------------------------------------------
 
     def _foresee(self, death: Death) -> None:
-        """Leave out at once what has ended engines that told no error: they were killed, or hung."""
+        """Leave out at once what has ended engines without an error message: they were killed or hung."""
         if not death.stage:
             return
         trips = death.times - 1
@@ -139,17 +139,17 @@ class Recovery:
             self._trip(death.tick, death.stage, "engines ended in it again and again")
 
     def _judge(self, failed: TickFailed) -> None:
-        """A tick ended in an error here, too: what is done about it before it is run again."""
+        """Decide what to leave out after a tick has failed here, too."""
         tick = failed.tick
         self._failures[tick] += 1
-        if tick <= self._passed:  # the engine that died had run it well: it may be chance
+        if tick <= self._passed:  # the dead engine had run it without error: it may be chance
             if self._failures[tick] > TRANSIENT:
                 self._trip_before(failed)
         elif (tick == self._dies_at or self._failures[tick] > 1) and not self._quarantine(tick, failed.why):
             self._trip(tick, failed.stage, failed.why)
 
     def _quarantine(self, tick: int, why: str) -> bool:
-        """Leave out what was applied for that tick; False if that is nothing, or done already."""
+        """Leave out the events applied for that tick; False if there are none or it is already done."""
         events = [value for value in self._told if value["tick"] == tick - 1 and is_event(value)]
         if not events or tick in self._quarantined:
             return False
@@ -169,15 +169,14 @@ class Recovery:
         self._own.append(line)
 
     def _insert(self, line: Line) -> None:
-        """Let it come after all that was told for its tick, or before; a line for a later tick may have been
-        foreseen."""
+        """Insert a line after all others up to its tick; lines of later ticks may already have been inserted."""
         tick = line["tick"]
         place = 1 + max((at for at, value in enumerate(self._told) if value["tick"] <= tick), default=-1)
         self._told.insert(place, line)
 
     def _trip_before(self, failed: TickFailed) -> None:
-        """Put a stage out of service from the last snapshot on, or from a later reset: what was danced after that
-        is danced anew, for nothing that was danced in this stage can be run here."""
+        """Put a stage out of service from the last snapshot or a later reset on, and rerun everything since, because
+        this stage cannot be run here."""
         if not self._anew:
             self._start, self._anew = None, True
             self._told = [value for value in self._following.whole() if value not in self._refused]
@@ -185,7 +184,7 @@ class Recovery:
                 self._insert(line)
         since = self._told[0]["tick"] if "snapshot" in self._told[0] else 0
         resets = [value["tick"] for value in self._told if value["tick"] < failed.tick and _kind(value) == RESET]
-        since = max(since, *resets) if resets else since  # one that was put back since would be back at once
+        since = max(since, *resets) if resets else since  # a reset would put the stage back into service at once
         event = json.loads(line_of(since, self._tripped(failed.stage, failed.why, since)))
         self._insert(event)
         self._put({**event, "tick": max(value["tick"] for value in self._told), SINCE: since})
@@ -199,7 +198,7 @@ class Recovery:
         return BreakerTripped(time=tick * TICK, source=SOURCE, name=name, why=why)
 
     def _note_measure(self, show: Show, before: tuple[int, str]) -> None:
-        """A measure that began beyond the last line that was told is noted, as an engine would have."""
+        """Record a measure that began after the last received line, as an engine would have."""
         tick, state = self._following.crossed
         if (tick, state) != before and tick > self._last:
             self._put({"tick": tick, "measure": show.span.number + 1, "hash": state})

@@ -1,4 +1,4 @@
-"""When a process is late, when it hangs, and how often it is started again."""
+"""Limits for late and hung processes, and back-off for restarts."""
 
 from collections import deque
 from typing import Final
@@ -6,20 +6,17 @@ from typing import Final
 LATE_AFTER: Final = 0.5
 """Seconds without a heartbeat after which a process counts as late."""
 HANGS_AFTER: Final = 2.0
-"""Seconds of its own without a heartbeat after which a process is ended and another started; see `watchdog.py`."""
+"""Seconds of its own without a heartbeat after which a process is killed and replaced; see `watchdog.py`."""
 CEILING: Final = 20.0
-"""Seconds without a heartbeat after which it is killed however slow the machine is."""
+"""Seconds without a heartbeat after which it is killed, however slow the machine is."""
 SETTLED: Final = 60.0
-"""What has run for so many seconds has got through whatever was wrong at its start."""
+"""A process that has run for so many seconds has got over any problem at its start."""
 LEAVES_WITHIN: Final = 20.0
 """Seconds that closing may take: the end of a journal and of a film on a slow disk."""
 
 
 class RestartLimit:
-    """At most `most` restarts within `seconds`; more than that and the show has to become calmer.
-
-    stage.md 4.7: three in thirty seconds.
-    """
+    """Limit of `most` restarts within `seconds`; beyond it the show changes to calm mode."""
 
     def __init__(self, most: int = 3, seconds: float = 30.0) -> None:
         self._seconds = seconds
@@ -28,7 +25,7 @@ class RestartLimit:
         """Restarts since the start."""
 
     def note(self, now: float) -> bool:
-        """Note a restart at `now` [s]; True if those before it were as many as are allowed."""
+        """Record a restart at `now` [s]; return True if the limit had been reached before it."""
         full = len(self._last) == self._last.maxlen and now - self._last[0] < self._seconds
         self._last.append(now)
         self.count += 1
@@ -36,10 +33,10 @@ class RestartLimit:
 
 
 class Backoff:
-    """How long to wait before something is started again that ends too soon: exponential, with a ceiling.
+    """Exponential back-off with a ceiling for restarts.
 
-    The first `free` starts come at once, then `first` [s] is waited, twice that, and so on, `most` at last. What has
-    run for `settled` [s] begins from the front.
+    The first `free` starts are immediate; then the wait is `first` [s], doubled each time, up to `most`. After a run
+    longer than `settled` [s] the count starts again.
     """
 
     def __init__(self, *, free: int = 1, first: float = 1.0, most: float = 60.0, settled: float = SETTLED) -> None:
@@ -48,7 +45,7 @@ class Backoff:
         self._due: float | None = None
 
     def after(self, now: float) -> float:
-        """It has ended at `now` [s]: seconds until it may be started again."""
+        """Record an end at `now` [s]; return the seconds until the next start."""
         if self._due is not None and now - self._due > self._settled:
             self._count = 0
         over = self._count - self._free

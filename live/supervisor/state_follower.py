@@ -1,4 +1,4 @@
-"""Following: a show that runs after another one's lines, and stands where that one stood."""
+"""State follower: replays the journal lines of another show and reaches the same state."""
 
 import base64
 import contextlib
@@ -26,12 +26,12 @@ from live.supervisor.recovery_log import Log
 from live.supervisor.supervisor_link import in_words
 
 ARRIVALS: Final = 256
-"""Lines whose delay is remembered: some seconds, in which clocks do not drift apart."""
+"""Ticks whose arrival is remembered: some seconds, in which clocks do not drift apart."""
 Line = dict[str, Any]
 
 
 class TickFailed(Exception):
-    """A tick ended in an error: the show's state is of no use any more."""
+    """A tick ended in an error: the show's state is no longer valid."""
 
     def __init__(self, tick: int, stage: int, error: Exception) -> None:
         super().__init__(f"tick {tick}: {in_words(error)}")
@@ -39,63 +39,63 @@ class TickFailed(Exception):
 
 
 class Following:
-    """Takes the lines of a show (`Log.since`, and those that follow) and runs the same show.
+    """Replays the lines of a show (`Log.since` and later ones).
 
-    `advance` leaves what came after the last measure line for `recover` (`recovery.py`): an event that ends one engine
-    shall not end the one that waits as well. A state that differs from the other show's is counted, and the next
-    snapshot puts it right. Thread: one.
+    `advance` leaves the lines after the last measure line to `recover` (`recovery.py`), so that an event that kills one
+    engine does not kill the spare as well. A state that differs from the original's is counted, and the next snapshot
+    corrects it. Thread: one.
     """
 
     def __init__(self, loaded: LoadedShow, *, heart: Heartbeat | None = None) -> None:
-        """`heart`: of this process; it beats, and says which stage of which tick runs, while much is run."""
+        """`heart`: of this process; shows beats and the running tick and stage during long runs."""
         self._first = self._loaded = loaded
         self._heart, self._log = heart, Log()
         self._waiting: deque[Line] = deque()
-        self._since: deque[Line] = deque()  # what came since the last snapshot, should this one have to be repaired
+        self._since: deque[Line] = deque()  # lines since the last snapshot, for a repair
         self._measures = 0
         self.header: Line = {}
         self.show: Show | None = None
         self.tick = 0
-        """Where the show stands."""
+        """The last tick run."""
         self.compared = self.differences = self.repaired = self.refused = 0
-        """Measures compared; those whose state differed; how often a snapshot put that right; events that failed."""
+        """Measures compared; those that differed; corrections by a snapshot; events that failed."""
         self.problem = ""
-        """Why the last snapshot could not be used."""
+        """Why the last snapshot could not be used; empty if it could."""
         self.latencies: dict[str, float] = {}
-        """Delays that were changed by hand."""
+        """Latencies that were changed by hand [s]."""
         self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
         self._hash: tuple[int, str] = (0, "")
         self._astray = self._stuck = False
 
     @property
     def ready(self) -> bool:
-        """Whether this show is known to be the other one: a state was compared, and the last that was is the same."""
+        """Whether this show is verified: a state was compared, and the last comparison found no difference."""
         return self.show is not None and self.compared > 0 and not (self._astray or self._stuck or self._waiting)
 
     @property
     def origin(self) -> float:
-        """The clock's, for a process on the same machine [s of perf_counter]."""
+        """Origin of the clock, for a process on the same machine [s of perf_counter]."""
         return float(self.header["origin"])
 
     @property
     def begun(self) -> float | None:
-        """When the music began [s of the show]; None if none plays, or the show listens."""
+        """When the music began [s of the show]; None if none plays or the show listens."""
         begun = self.header.get("begun")
         return float(begun) if isinstance(begun, int | float) else None
 
     def origin_here(self, lead: float) -> float:
-        """The clock's for another machine: of all ticks heard of lately that one counts that came soonest.
+        """Return the origin of the clock for another machine, from the recent tick that arrived with the least delay.
 
         `lead` [s]: how far ahead of the clock ticks are run.
         """
         return min(self._arrivals) + lead if self._arrivals else time.perf_counter()
 
     def facts(self) -> dict[str, int]:
-        """How well it follows."""
+        """Return figures on how well it follows."""
         return {"compared": self.compared, "different": self.differences, "repaired": self.repaired}
 
     def take(self, line: str, *, arrived: float | None = None) -> None:
-        """Take a line; nothing is run yet. `arrived` [s of perf_counter]: when it came from another machine."""
+        """Add a line without running it. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
         self._log.take(line)
         if "journal" in value:
@@ -115,7 +115,8 @@ class Following:
             self._begin_again(stuck=False)
 
     def _leave_out(self, count: int) -> None:
-        """The last so many events are in quarantine; who has let one act already is astray until the next snapshot."""
+        """Remove the last `count` events, which are in quarantine. If one has been applied already, the state counts as
+        different until the next snapshot."""
         for value in [value for value in reversed(self._waiting) if is_event(value)][:count]:
             self._waiting.remove(value)
             count -= 1
@@ -123,39 +124,39 @@ class Following:
 
     @property
     def loaded(self) -> LoadedShow:
-        """Patch and steps as they are danced now."""
+        """Current patch and steps."""
         if self.show is None:
             return self._loaded
         return replace(self._loaded, patch=self.show.patch, graph=self.show.graph)
 
     @property
     def waiting(self) -> list[Line]:
-        """What was told and is not run yet, in order."""
+        """Lines received but not run yet, in order."""
         return list(self._waiting)
 
     def advance(self, *, lines: int = 64) -> bool:
-        """Run on by so many lines at most, not beyond the last measure line; whether there is more to run."""
+        """Run at most `lines` lines, not beyond the last measure line; return whether more can be run."""
         try:
             for _ in range(lines):
                 if not self._measures or self._stuck:
                     return False
                 self._run(self._waiting.popleft())
-        except TickFailed:  # what the other one dances cannot be danced here: `recover` has to find out why
+        except TickFailed:  # it ran on the original, but not here: `recover` finds out why
             self._begin_again(stuck=True)
             return False
         return self._measures > 0
 
     def _begin_again(self, *, stuck: bool) -> None:
-        """Back to the last snapshot, of which nothing is run yet."""
+        """Return to the last snapshot, with all lines since then pending."""
         self.stand(None, 0)
         self._waiting = deque(self.whole())
         self._measures = sum("measure" in value for value in self._waiting)
         self._stuck = stuck
 
     def run(self, lines: Iterable[Line], until: int) -> None:
-        """Run these instead of all that waits, and every tick up to `until`; TickFailed if one ends in an error.
+        """Run these lines instead of the pending ones, and every tick up to `until`; TickFailed if one fails.
 
-        Nothing waits any more then.
+        No line is pending afterwards.
         """
         self._waiting.clear()
         self._measures = 0
@@ -165,7 +166,7 @@ class Following:
         self._run_to(self._begun(), until)
 
     def stand(self, show: Show | None, tick: int) -> None:
-        """Go on from `show` as it was after `tick`; None: nothing is run of it yet."""
+        """Continue from `show` as it was after `tick`; None: nothing of it has been run."""
         self._take_show(show)
         self.tick = tick
         self._astray = False
@@ -174,7 +175,7 @@ class Following:
             self._loaded = self._first
 
     def whole(self) -> list[Line]:
-        """All that is needed to run the show again from its last snapshot."""
+        """Return all lines needed to run the show again from its last snapshot."""
         again = Following(self._first)
         for line in self._log.since():
             again.take(line)
@@ -182,11 +183,11 @@ class Following:
 
     @property
     def crossed(self) -> tuple[int, str]:
-        """The tick of the last measure line and the hash of the state there."""
+        """Tick of the last measure line, and the hash of the state there."""
         return self._hash
 
     def follow(self) -> None:
-        """Run all that was told, in lockstep with who tells it; what cannot be danced here waits for a snapshot."""
+        """Run all pending lines in lockstep with the sender; if one fails, wait for a snapshot."""
         while self._waiting and not self._stuck:
             try:
                 self._run(self._waiting.popleft())
@@ -221,7 +222,7 @@ class Following:
                 raise TickFailed(self.tick, show.breakers.running, error) from error
 
     def _act(self, show: Show, told: Line) -> None:
-        """Let an event act; what is none that this program knows is counted, here as by a replay."""
+        """Apply an event; one that is unknown to this version is counted, as in a replay."""
         try:
             event = event_from_json(told)
         except (ValueError, TypeError):
@@ -237,7 +238,7 @@ class Following:
             self.latencies[event.what] = event.seconds
 
     def _take_snapshot(self, value: Line) -> None:
-        """Begin with it, or be put right by it; who stands well needs it only to forget what was before."""
+        """Start from a snapshot or correct the state with it. If the state is right, only older lines are dropped."""
         tick = value["tick"]
         self._since = deque(kept for kept in self._since if belongs_after(kept, tick))
         if self.show is not None and not self._astray:
@@ -274,14 +275,16 @@ class Following:
             show.breakers.publish(self._heart.stage)
 
     def other_show(self) -> str | None:
-        """In what the show that is told of differs from the one that is loaded here; None if it is the same, or before
-        anything is told. A patch that was edited while it was played may be loaded as it is now."""
+        """Return how the received show differs from the one loaded here; None if it is the same, or before the header.
+
+        A patch that was edited during the show may be loaded as it is now.
+        """
         if self.show is not None or not self.header:
             return None
         try:
             patches = [Patch.model_validate(self.header["patch"]), *self._patches()]
         except (KeyError, ValueError):
-            return None  # whoever begins it says what is wrong with it
+            return None  # reported when the show is started
         mine, *all_told = (patch.model_dump(mode="json") for patch in (self._loaded.patch, *patches))
         if mine in all_told:
             return None
@@ -291,7 +294,7 @@ class Following:
         return f"{there} ({patches[-1].name}), here it is {here} ({mine['name']}); different: {', '.join(keys[:8])}"
 
     def _patches(self) -> Iterator[Patch]:
-        """What the patch became later."""
+        """Yield the later versions of the patch."""
         for value in self._waiting:
             event = value.get("event")
             if isinstance(event, dict) and event.get("type") == PatchChanged.__name__:
@@ -300,19 +303,19 @@ class Following:
                 yield Patch.model_validate_json(unpacked(changed.patch))
 
     def _needed(self) -> list[StepsAdded | StepsChanged]:
-        """What becomes of the steps later, and must not be so from the beginning."""
+        """Return the later changes of the steps, which must not be loaded from the start."""
         events = (value["event"] for value in self._waiting if "event" in value)
         kinds = (StepsAdded.__name__, StepsChanged.__name__)
         found = []
         for told in events:
-            with contextlib.suppress(ValueError, TypeError):  # it is refused when it is run
+            with contextlib.suppress(ValueError, TypeError):  # it is counted when it is run
                 event = event_from_json(told) if isinstance(told, dict) and told.get("type") in kinds else None
                 if isinstance(event, StepsAdded | StepsChanged):
                     found.append(event)
         return found
 
     def _began_with(self, later: list[StepsAdded | StepsChanged]) -> None:
-        """See that what is loaded is what the show began with."""
+        """Load the patch and steps with which the show began."""
         header, loaded = self.header, self._loaded
         if not isinstance(header.get("patch"), dict) or not isinstance(header.get("steps_hash"), str):
             raise ReplayError("its first line does not hold a whole show")
@@ -325,10 +328,10 @@ class Following:
 
 
 def is_event(value: Line) -> bool:
-    """Whether a line tells of an event that could be left out."""
+    """Return whether a line holds an event that can be left out."""
     return "event" in value and can_be_left_out(value["event"])
 
 
 def belongs_after(value: Line, tick: int) -> bool:
-    """Whether a line tells of something after the state that a snapshot holds, taken after `tick` was run."""
+    """Return whether a line comes after the state of a snapshot that was taken after `tick` was run."""
     return bool(value["tick"] > tick or (value["tick"] == tick and "event" in value))

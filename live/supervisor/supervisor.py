@@ -1,8 +1,8 @@
-"""Supervisor: starts the processes of a show, watches their hearts, and lets another engine go on where one ended.
+"""Supervisor: starts the processes of a show, watches their heartbeats and replaces a failed engine.
 
-It holds no device, no window and no array: what does so little does not fail. It runs in the process that the person
-started, so the terminal, its signals and the exit code are its own. One loop, no threads but the journal's writer and
-the one that calls other machines.
+It opens no device and no window and computes nothing, which leaves little that can fail. It runs in the process that
+the person started, so it has the terminal, its signals and the exit code. It is one loop without threads, except for
+the journal's writer and the one that connects to other machines.
 """
 
 import selectors
@@ -28,7 +28,7 @@ from live.supervisor.supervisor_config import Orders, Report
 TELL_EVERY: Final = 1.0
 CONFIRM_EVERY: Final = 0.2
 WIRES: Final = 40
-"""Bits of a line's number in which it is counted over its wire; those above count the wires."""
+"""Bits of a line's number for its count on its channel; the bits above count the channels."""
 SETTLED: Final = 30.0
 """Seconds that an engine has run before its memory is judged."""
 
@@ -39,8 +39,8 @@ class Supervisor:
     def __init__(
         self, orders: Orders, say: Callable[[str], None], adoption: Adoption | None = None, left: CutOff | None = None
     ) -> None:
-        """`say`: tells the person a line; `adoption`: the engine that dances already, whose supervisor has died;
-        `left`: of a show of which no process is left."""
+        """`say`: prints a line for the person; `adoption`: a running engine whose supervisor has died; `left`: an
+        interrupted show of which no process is left."""
         self._orders, self._say = orders, say
         self.report = Report()
         self._starter = Starter()
@@ -66,10 +66,10 @@ class Supervisor:
         self._remote = Remote(orders, self._starter, self.engines, self.report, say)
         self._tell_at = self._confirm_at = 0.0
         self._wire: Wire | None = None
-        self._wires = 0  # over which lines of the show came
+        self._wires = 0  # number of channels that have carried lines of the show
         self._confirmed: tuple[Wire, Written, int] | None = None
         self._writes: Child | None = None
-        self._reads: Child | None = None  # an adopted engine has a process of its own that reads OSC
+        self._reads: Child | None = None  # an adopted engine that still has its own OSC reader process
         if adoption is not None:
             self._adopt(adoption)
         elif left is not None:
@@ -79,7 +79,7 @@ class Supervisor:
         self._starter.meanwhile = self._remote.look
 
     def run(self) -> int:
-        """Start everything, keep it going, and return the exit code of the engine that ended well (or could not)."""
+        """Start everything, keep it running, and return the exit code of the last engine."""
         try:
             now = time.monotonic()
             if self._orders.audio and self.audio.child is None:
@@ -127,7 +127,7 @@ class Supervisor:
             self._disk.put(line, self._wires << WIRES | count)
 
     def _confirm(self) -> None:
-        """Tell the engine how far its lines have come to the disk: it keeps them until then."""
+        """Report to the engine which of its lines are on disk: it keeps them until then."""
         engine, done = self.engines.engine, self._disk.written
         if engine is None or done is None or self._confirmed == (engine.wire, *done):
             return
@@ -138,7 +138,7 @@ class Supervisor:
         engine.wire.tell(alive="written", line=number, end=written.end, missing=written.missing, snapshots=kept)
 
     def _obey(self, asked: dict[str, Any]) -> None:
-        """What an engine asks of the others."""
+        """Handle a request of an engine to other parts."""
         if asked["alive"] == "screen":
             self.engines.screen = asked
             if self.guard.child is not None:
@@ -154,7 +154,7 @@ class Supervisor:
             self.report.repaired = asked["repaired"]
             self._remote.told_following(bool(asked["ready"]))
 
-    # -- an engine that dances already ----------------------------------------------------------------------------
+    # -- adoption of a running engine -----------------------------------------------------------------------------
 
     def _sound_pair(self, there: dict[str, int]) -> tuple[socket.socket, socket.socket]:
         if "sound" in there and "sound_peer" in there:
@@ -162,7 +162,8 @@ class Supervisor:
         return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
     def _meet(self, adoption: Adoption | None) -> Meeting | None:
-        """Where another supervisor would find the engine; a show is as good without, as long as this one lives."""
+        """Return the socket where another supervisor finds the engine; None if there is none, which matters only if
+        this process dies."""
         meeting = None
         if adoption is not None:
             meeting = Meeting.inherited(adoption.descriptors["rendezvous"], adoption.name)
@@ -170,7 +171,7 @@ class Supervisor:
             try:
                 meeting = Meeting(self._orders.label)
             except OSError as error:
-                self._say(f"if this process dies, no other one can take charge of the show: {error.strerror}")
+                self._say(f"if this process dies, no other one can adopt the engine: {error.strerror}")
         if meeting is not None:
             self._starter.selector.register(meeting.socket, selectors.EVENT_READ, meeting.refuse)
         return meeting
@@ -186,7 +187,7 @@ class Supervisor:
             self.audio.child = adopt_sound(self._starter, self._sound[0])
 
     def _write_on(self) -> None:
-        """The engine that was adopted writes no more."""
+        """Resume the journal: the adopted engine has stopped writing it."""
         self._writes = None
         self._disk.resume()
 
@@ -207,7 +208,7 @@ class Supervisor:
         return self._starter.start("OSC", [*self._orders.osc_reader, *map(str, theirs)], lambda line: None, *theirs)
 
     def _tell(self, now: float) -> None:
-        """Tell the engine how all are, and judge its memory."""
+        """Send the report to the engine, and check its memory."""
         engine, since = self.engines.engine, self.engines.since
         children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child,
                     self.osc_reader.child)  # fmt: skip
@@ -220,7 +221,7 @@ class Supervisor:
             return
         engine.wire.tell(alive="facts", facts=self.engines.facts())
         if 0 < self._orders.budget < engine.memory() and self.report.spare and now - since > SETTLED:
-            self._say("the engine needs more memory than it may")
+            self._say("the engine uses more memory than allowed: the spare engine replaces it")
             engine.kill()
 
     def _close(self) -> None:

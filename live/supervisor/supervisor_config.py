@@ -1,4 +1,4 @@
-"""Orders: what the supervisor is told when it is made, and what it reports."""
+"""Configuration of the supervisor and its report."""
 
 import socket
 from collections.abc import Mapping, Sequence
@@ -11,110 +11,110 @@ from live.supervisor.network.identity import Identity, Pairings
 
 @dataclass(frozen=True, slots=True)
 class Orders:
-    """Which processes make a show. A command gets the numbers of two more descriptors as its last arguments."""
+    """Processes and sockets of a show. A command gets two more descriptors as its last arguments."""
 
     engine: Sequence[str]
-    """The engine: it opens window and devices, and dances."""
+    """The engine: opens window and devices, and runs the show."""
     show: str
-    """What the engine is to play, as it understands it; the supervisor does not."""
+    """The show, in the engine's format; opaque to the supervisor."""
     audio: Sequence[str] = ()
-    """The process that listens or plays; empty: the engine does that itself."""
+    """The audio process; empty: the engine handles audio itself."""
     guard: Sequence[str] = ()
-    """The process with the black window; empty: none."""
+    """The process with the fallback window; empty: none."""
     screen: tuple[bool, str | None] = (False, None)
-    """Whether the picture is full screen at the start, and on which monitor."""
+    """Whether the picture starts in full screen, and on which monitor."""
     osc: socket.socket | None = None
-    """Where OSC is received, bound already: the socket outlives the engine, and what comes meanwhile waits in it."""
+    """Bound socket that receives OSC. It outlives the engine, so packets wait in it during a failover."""
     osc_reader: Sequence[str] = ()
-    """The process that reads that socket for the engine; empty: the engine does. It gets the numbers of two sockets, to
-    the engine and the one that is read, before the usual two."""
+    """The process that reads that socket; empty: the engine does. It gets two more sockets as arguments, to the engine
+    and the one to read, before the usual two."""
     journal: Path | None = None
     spare_after: float = 2.0
-    """Seconds that an engine has danced before the next one begins to prepare itself."""
+    """Seconds an engine has run before a spare one is started."""
     spare: bool = True
-    """Whether another engine waits; without it one is started when it is needed."""
+    """Whether a spare engine is kept ready; otherwise one is started when needed."""
     label: str = ""
-    """By what a supervisor that begins anew finds this show's engine; empty: it cannot."""
+    """Label by which a restarted supervisor finds this show's engine; empty: it cannot."""
     lead: socket.socket | None = None
-    """Where machines that stand by may follow this show; bound and listening."""
+    """Listening socket for standby machines."""
     identity: Identity | None = None
-    """This machine's key, where there is a machine to lead or to follow; ..."""
+    """This machine's key, if it leads or follows others; ..."""
     pairings: Pairings | None = None
-    """... and those that it is paired with."""
+    """... and the machines it is paired with."""
     follow: tuple[str, int] | None = None
     """The machine whose show is followed; this one takes over from it."""
     budget: int = 0
-    """Bytes that an engine may come to need before the spare takes over from it; 0: any number."""
+    """Memory limit of an engine [bytes], above which the spare takes over; 0: none."""
 
 
 @dataclass(slots=True)
 class Report:
-    """What happened, for the status line and the terminal."""
+    """Figures for the status line and the terminal."""
 
     restarts: int = 0
     late: int = 0
-    """How often the engine's heart was late, ..."""
+    """How often the engine's heartbeat was late, ..."""
     spared: int = 0
-    """... and how often so late that it would have been ended on a machine with less to do."""
+    """... and how often so late that it would have been killed on a machine with less load."""
     slowdown: float = 1.0
-    """How many times slower the machine is than a quiet one."""
+    """Slow-down of the machine against a quiet one."""
     overload: float = 0.0
-    """How much too much the machine has to do for the show, 0 to 1; 0 while nothing of it is felt."""
+    """Overload of the machine, 0 to 1; 0 while it is not noticeable."""
     reaped: int = 0
-    """Processes that had lost who started them, and were cleared away when they had ended."""
+    """Orphaned processes that were reaped after their end."""
     calm: bool = False
     takeover_s: float | None = None
-    """From the last engine's end to the first picture of the one that took over."""
+    """Seconds from the last engine's end to the first picture of its successor."""
     audio_restarts: int = 0
     osc_restarts: int = 0
     spare: bool = False
-    """Whether another engine is ready."""
+    """Whether a spare engine is ready."""
     guard: bool = False
     lines: int = 0
-    """Lines of the show that the supervisor has."""
+    """Lines of the show that the supervisor has received."""
     disk: dict[str, int] = field(default_factory=dict)
-    """The journal on disk: lines, bytes, what was dropped."""
+    """The journal on disk: lines, bytes, dropped lines."""
     memory_mb: dict[str, float] = field(default_factory=dict)
     epoch: int = 1
-    """Which leader this is; whoever takes over counts one on, and the higher number rules."""
+    """Epoch of this leader; each take-over increments it, and the higher number rules."""
     fenced: bool = False
-    """Whether another machine leads: this one is dark."""
+    """Whether another machine leads and this one is dark."""
     followers: int = 0
-    """Machines that stand by."""
+    """Number of standby machines."""
     follows: str = ""
-    """Whom this machine follows; empty: nobody, it leads."""
+    """The machine that is followed; empty: this machine leads."""
     silent_s: float | None = None
-    """How long the leader had been silent when this machine took over; None: it has not."""
+    """Silence of the leader before this machine took over [s]; None: it has not."""
     compared: int = 0
     """Measures whose state was compared with the leader's, ..."""
     different: int = 0
-    """... that were another one, ..."""
+    """... those that differed, ..."""
     ready: bool = False
-    """Whether this machine, which follows, could go on with the show now; ..."""
+    """Whether this machine, as a follower, could resume the show now; ..."""
     is_deputy: bool = False
-    """... and is the one that is to."""
+    """... and is the deputy."""
     deputy: str = ""
-    """Who takes over from this machine, which leads; empty: nobody is ready to."""
+    """The machine that takes over from this leader; empty: none is ready."""
     strangers: int = 0
-    """Who wanted to take part and is not paired."""
+    """Connections from machines that are not paired."""
     claims_refused: int = 0
-    """Claims to lead that were old, far off or not signed."""
+    """Claims to lead that were old, too far ahead or not signed."""
     lines_refused: int = 0
-    """Lines of other machines that made no sense."""
+    """Invalid lines of other machines."""
     expired: str = ""
     """Machines whose certificates have expired."""
     repaired: int = 0
-    """... and how often a snapshot made them one again."""
+    """... and how often a snapshot removed the difference."""
 
     adopted: int = 0
-    """How often another supervisor took this show's engine over."""
+    """How often another supervisor adopted this show's engine."""
 
     def facts(self) -> dict[str, Any]:
-        """As plain values."""
+        """Return it as plain values."""
         return asdict(self)
 
     def restore(self, facts: Mapping[str, Any]) -> None:
-        """Go on with what another supervisor told, as far as it holds for this one."""
+        """Restore from another supervisor's report the values that hold for this one."""
         for name in ("restarts", "calm", "takeover_s", "audio_restarts", "lines", "epoch", "fenced", "follows",
                      "silent_s", "compared", "different", "repaired", "adopted"):  # fmt: skip
             if name in facts and (facts[name] is None or isinstance(facts[name], bool | int | float | str)):

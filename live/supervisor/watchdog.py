@@ -26,8 +26,7 @@ COMPARE_EVERY: Final = 1.0
 """Seconds between two readings of a process that is not silent."""
 WAITS_SHARE: Final = 0.25
 """Least share of non-processor waiting time that counts as a process' own: a process that sleeps for long hangs. The
-same share counts for an uninterruptible wait in the kernel (state D: a disk, a driver).
-"""
+same share counts for an uninterruptible wait in the kernel (state D: a disk, a driver)."""
 ACTIVE: Final = 0.5
 """Threads that run or wait for a processor for at least this share of the time count as active."""
 HALFLIFE: Final = 2.0

@@ -69,7 +69,7 @@ def test_the_picture_follows_at_once_and_the_file_has_it(kept):
 @pytest.mark.parametrize("text", ['name = "hall"\n', AT.replace("5.0", "0.0")])
 def test_what_cannot_be_is_told_and_nothing_is_written(kept, text):
     done = kept(text)
-    assert done.words.startswith("NOT KEPT: ")
+    assert done.words.startswith("NOT SAVED: ")
     assert done.text == text
     assert done.floor.corners() == done.seen
 

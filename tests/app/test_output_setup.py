@@ -133,9 +133,9 @@ def test_a_floor_of_no_area_is_not_taken_and_what_cannot_be_kept_is_told(hall):
     assert hall.left.editing.corners == before
     assert "span no floor" in hall.left.lines[-1]
     hall.setup.act(hall.left, PointerMoved(300, 150))
-    hall.floor.words = "NOT KEPT: for a reason"
+    hall.floor.words = "NOT SAVED: for a reason"
     press(hall, hall.left, "enter")
-    assert hall.left.lines[-1] == "NOT KEPT: for a reason"
+    assert hall.left.lines[-1] == "NOT SAVED: for a reason"
     assert hall.left.editing.is_changed
     press(hall, hall.left, "u", "u")
     assert hall.left.editing.corners == before
@@ -183,7 +183,7 @@ def test_what_is_kept_is_in_the_venue_next_time(tmp_path, monkeypatch):
     keeping = OutputKeeping("hall", told.append)
     keeping.keep(Output("left", corners=((0.1, 0.1), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))))
     keeping.wait()
-    assert told == [f"kept in {tmp_path / 'venues' / 'hall.toml'}"]
+    assert told == [f"saved in {tmp_path / 'venues' / 'hall.toml'}"]
     assert read_venue("hall").output[0].corners[0] == (0.1, 0.1)
     assert [path.name for path in (tmp_path / "venues").iterdir()] == ["hall.toml"]
 
@@ -197,8 +197,8 @@ def test_what_cannot_be_kept_is_told_and_the_file_stays(tmp_path, monkeypatch):
     keeping = OutputKeeping("hall", told.append)
     keeping.keep(Output("left"))
     keeping.wait()
-    assert told[0].startswith("NOT KEPT: ")
+    assert told[0].startswith("NOT SAVED: ")
     assert "line 1: name" in told[0]
     assert path.read_text() == "name = 3\n"
     OutputKeeping(None, told.append).keep(Output())
-    assert told[1] == "not kept: start with --venue NAME"
+    assert told[1] == "not saved: start with --venue NAME"

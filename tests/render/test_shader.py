@@ -89,7 +89,7 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
     line = finish[: finish.index("vec3 film")].count("\n") + 1
     assert watch.problem.startswith(f"shaders/finish.glsl, line {line}: ")
     assert "lihgt" in watch.problem
-    assert watch.problem.endswith("the last good one goes on")
+    assert watch.problem.endswith("the last good one stays in use")
     np.testing.assert_array_equal(drawn(), dark)
     edit("finish.glsl", finish)
     assert (watch.taken, watch.problem) == (2, "")

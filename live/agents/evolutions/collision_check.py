@@ -1,11 +1,9 @@
-"""Which dancers come too near to each other on their ways, and when (T101, T147).
+"""Detection and repair of collisions between dancers on planned paths (T101, T147).
 
-Mending ways whose dancers start at different times (T147).
-
-Who travels together on straight ways of a squared-distance matching never meets anybody (CAPT); who starts earlier
-or later may. Mended are first the times: two who would meet exchange their waits (a ripple keeps its look), or one
-takes the other's; if nothing helps they and all who are tied to them start together, which is safe in the end. Then
-the ways, by divide and conquer. What remains is said, for steering to see to.
+Dancers who start together on straight paths of a squared-distance assignment never collide (CAPT); with different
+start times they may. The repair first changes times: two dancers who would collide exchange their waits (a ripple
+keeps its look), or one takes the other's; if nothing helps, they and all dancers tied to them start together. Then
+paths are bent by divide and conquer. Remaining pairs are reported and left to steering.
 """
 
 from dataclasses import dataclass, replace
@@ -20,16 +18,16 @@ from live.agents.evolutions.start_delays import Arrive, times
 from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
 
 PIECE = 200_000
-"""Looks at a pair at a time that make one piece of work: about a millisecond."""
+"""Pair checks in one piece of work: about a millisecond."""
 SAMPLES = 65
-"""Times at which ways are looked at; between them dancers are taken to go straight."""
+"""Times at which paths are sampled; between them dancers are assumed to move straight."""
 TOLERANCE = 0.005
-"""Metres that bodies may overlap without being called too near."""
+"""Metres that bodies may overlap without being reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Approach:
-    """Two dancers (rows of a locomotion) who come nearer than their bodies: at which beat, how near [m]."""
+    """Two dancers (rows of a locomotion) whose bodies would touch: at which beat, and how near the centres are [m]."""
 
     first: int
     second: int
@@ -38,7 +36,7 @@ class Approach:
 
 
 class Clearance:
-    """The nearest approach of every two of D dancers; rows can be looked at in pieces, and again after a change."""
+    """The nearest approach of all pairs of D dancers; rows are computed in pieces and updated after a change."""
 
     def __init__(self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> None:
         """`radius` is the body radius [m], shape (D,) or one for all."""
@@ -49,18 +47,18 @@ class Clearance:
         self.sample: Float32 = np.zeros((samples, count, 2), np.float32)
         bodies = np.broadcast_to(np.asarray(radius, np.float64), (count,))
         self.least: Float64 = bodies[:, None] + bodies[None, :] - TOLERANCE
-        """How near two may come [m], shape (D, D)."""
+        """Minimum allowed distance [m], shape (D, D)."""
         self.distance: Float32 = np.full((count, count), np.inf, np.float32)
-        """How near they come [m], shape (D, D)."""
+        """Smallest distance on the paths [m], shape (D, D)."""
         self._when: Float32 = np.zeros((count, count), np.float32)
         sample_ways(self.beats, self.ways, self.times, self.soft, 0, count, self.sample)
 
     def look(self, first: int, last: int) -> None:
-        """Fill the rows `first` to `last` (not included)."""
+        """Compute the rows `first` to `last` (not included)."""
         nearest_approach(self.sample, first, last, self.distance, self._when)
 
     def looking(self) -> Pieces[None]:
-        """Fill all rows, in pieces."""
+        """Compute all rows, in pieces."""
         count = len(self.ways)
         rows = max(1, PIECE // max(1, count * len(self.beats)))
         for first in range(0, count, rows):
@@ -68,7 +66,7 @@ class Clearance:
             yield
 
     def retime(self, dancer: int, begin: float, end: float) -> None:
-        """One dancer travels at other times: her row and column are looked at anew."""
+        """Change the times of one dancer and recompute their row and column."""
         self.times[dancer] = begin, end
         sample_ways(self.beats, self.ways, self.times, self.soft, dancer, dancer + 1, self.sample)
         self.look(dancer, dancer + 1)
@@ -76,11 +74,11 @@ class Clearance:
         self._when[:, dancer] = self._when[dancer]
 
     def near(self) -> npt.NDArray[np.bool_]:
-        """Who is too near to whom at some time, shape (D, D)."""
+        """Return which pairs are too near at some time, shape (D, D)."""
         return np.asarray(self.distance < self.least)
 
     def approaches(self) -> list[Approach]:
-        """All pairs that come too near, the nearest first."""
+        """Return all pairs that come too near, the nearest first."""
         first, second = np.nonzero(np.triu(self.near(), 1))
         order = np.lexsort((second, first, self.distance[first, second]))
         step = (self.beats[-1] - self.beats[0]) / (len(self.beats) - 1)
@@ -91,36 +89,36 @@ class Clearance:
 
 
 def approaches(locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> list[Approach]:
-    """All pairs of dancers who come nearer than their bodies on these ways, the nearest first."""
+    """Return all pairs of dancers whose bodies would touch on these paths, the nearest first."""
     clearance = Clearance(locomotion, radius, samples)
     clearance.look(0, locomotion.count)
     return clearance.approaches()
 
 
 MARGIN = 0.045
-"""Metres that bent ways leave between bodies: smoothing takes some of it back, and without it pairs remain."""
+"""Metres that bent paths leave between bodies: smoothing takes some back, and without the margin pairs remain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mended:
-    """A locomotion after mending."""
+    """A locomotion after collision repair."""
 
     locomotion: Locomotion
     waits: Float64
-    """What each dancer waits now [beats], shape (D,)."""
+    """Wait of each dancer now [beats], shape (D,)."""
     retimed: int
-    """How many dancers wait longer or shorter than asked."""
+    """Number of dancers who wait longer or shorter than requested."""
     bent: bool
-    """Whether ways were bent."""
+    """Whether paths were bent."""
     remaining: tuple[Approach, ...]
     """Pairs that still come too near: left to steering."""
 
 
 class WaitMending:
-    """Changes waits until nobody meets, a change at a time; `work` until `done`."""
+    """Changes waits one at a time until there are no collisions; call `work` until `done`."""
 
     def __init__(self, clearance: Clearance, begin: float, end: float, waits: Float64, arrive: Arrive) -> None:
-        """`clearance` has been looked at wholly; `waits` (D,) [beats] are those of its times."""
+        """`clearance` is fully computed; `waits` (D,) [beats] are those of its times."""
         self.waits = waits.copy()
         self._clearance = clearance
         self._begin, self._end, self._arrive = begin, end, arrive
@@ -131,7 +129,7 @@ class WaitMending:
         self.done = self._worst() is None
 
     def work(self) -> None:
-        """Make one change, or find that none is left to make."""
+        """Make one change, or set `done` if none is left."""
         worst = self._worst()
         if worst is None or self._left <= 0:
             self.done = True
@@ -139,7 +137,7 @@ class WaitMending:
         self._left -= 1
         i, j = worst
         wi, wj = float(self.waits[i]), float(self.waits[j])
-        if abs(wi - wj) < 1e-9:  # they meet although they start together: their ways have to be bent
+        if abs(wi - wj) < 1e-9:  # they collide although they start together: only bending the paths helps
             self._given_up[i, j] = self._given_up[j, i] = True
             return
         before = self._count()
@@ -153,7 +151,7 @@ class WaitMending:
         self._tie(i, j)
 
     def _tie(self, i: int, j: int) -> None:
-        """They start together from now on, with all who are tied to either, as the larger of both parties does."""
+        """Let both start together from now on, with all dancers tied to either, at the wait of the larger party."""
         first, second = self._tied == self._tied[i], self._tied == self._tied[j]
         wait = self.waits[i] if first.sum() >= second.sum() else self.waits[j]
         both = first | second
@@ -168,7 +166,7 @@ class WaitMending:
         self._clearance.retime(dancer, float(own[0]), float(own[1]))
 
     def _worst(self) -> tuple[int, int] | None:
-        """The pair that comes nearest and can still be helped."""
+        """Return the pair that comes nearest and that retiming may still separate."""
         near = self._clearance.near() & ~self._given_up
         if not near.any():
             return None
@@ -192,7 +190,7 @@ def mended(
     seed: int = 0,
     half: tuple[float, float] | None = None,
 ) -> Mended:
-    """Look, change waits, bend ways (if `bend`), look again. `radius` (D,) or one [m]."""
+    """Check, change waits, bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
     return at_once(
         mending(locomotion, radius, waits, begin=begin, end=end, arrive=arrive, bend=bend, seed=seed, half=half)
     )
@@ -211,7 +209,7 @@ def mending(
     seed: int = 0,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Mended]:
-    """`mended` in pieces; without `retime` waits stay, without `bend` ways stay: then it only looks."""
+    """The same as `mended`, in pieces. Without `retime` waits stay, without `bend` paths stay."""
     clearance = Clearance(locomotion, radius)
     yield from clearance.looking()
     wait_mending = WaitMending(clearance, begin, end, waits, arrive)

@@ -1,4 +1,4 @@
-"""Rehearsal: a plan danced beforehand without steering: what is too far, what comes too near, how it links (T088)."""
+"""Dry run of a plan without steering: reports distances that are too far, near misses and the timeline (T088)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from live.agents.evolutions.trajectory import Float32, Float64
 from live.agents.groups.roster import Roster
 
 PER_MEASURE = 32
-"""Times in a measure at which places are looked at."""
+"""Samples per measure."""
 
 
 @dataclass(frozen=True, slots=True)
 class TooFar:
-    """A dancer (index) who would have to travel farther in a measure (index) than she can."""
+    """A dancer (index) who would have to travel farther in a measure (index) than their steps allow."""
 
     dancer: int
     measure: int
@@ -32,7 +32,7 @@ class TooFar:
 
 @dataclass(frozen=True, slots=True)
 class TooNear:
-    """Two dancers (indices), of one group or of two, who would meet in a measure (index) if steering did nothing."""
+    """Two dancers (indices), of one or two groups, who would collide in a measure (index) without steering."""
 
     first: int
     second: int
@@ -43,27 +43,27 @@ class TooNear:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rehearsal:
-    """What came out for A dancers and M measures."""
+    """Result of a dry run for A dancers and M measures."""
 
     places: Float32
     """Places at the measure lines [m], shape (M + 1, A, 2)."""
     headings: Float32
     """Headings at the measure lines [rad], shape (M + 1, A)."""
     under: npt.NDArray[np.bool_]
-    """Whether a segment says where she is at the end of each measure, shape (M, A)."""
+    """Whether a segment controls the dancer at the end of each measure, shape (M, A)."""
     too_near: tuple[TooNear, ...]
-    """Pairs under segments who would meet; steering has to see to them."""
+    """Pairs under segments who would collide; steering has to keep them apart."""
     links: tuple[Link, ...]
     """The linked timeline (T089)."""
 
     @property
     def ways(self) -> Float64:
-        """Distance between the places at both ends of each measure [m], shape (M, A)."""
+        """Return the distance between the places at both ends of each measure [m], shape (M, A)."""
         steps = np.diff(self.places.astype(np.float64), axis=0)
         return np.asarray(np.hypot(steps[..., 0], steps[..., 1]))
 
     def too_far(self, reach: npt.ArrayLike) -> tuple[TooFar, ...]:
-        """Who cannot be on time: `reach` [m] is what a dancer's steps travel in one measure, (A,) or one for all."""
+        """Return the dancers who would be late; `reach` [m]: how far steps travel in a measure, (A,) or one for all."""
         most = np.broadcast_to(np.asarray(reach, np.float64), self.under.shape)
         ways = np.where(self.under, self.ways, 0.0)
         return tuple(
@@ -85,7 +85,7 @@ def rehearse(
     radius: npt.ArrayLike = 0.25,
     seed: int = 0,
 ) -> Rehearsal:
-    """Go through `measures` measures from `positions` (A, 2) [m]; dancers whom elements move are taken to stay."""
+    """Run `measures` measures from `positions` (A, 2) [m]; dancers moved by elements are assumed to stay."""
     plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
     place = np.array(positions, np.float32)
     facing = np.array(np.broadcast_to(np.asarray(headings, np.float32), (roster.count,)))
@@ -111,7 +111,7 @@ def rehearse(
 
 
 def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, ...]:
-    """The linked timeline, whose sources are indices of the plan's segments."""
+    """Return the linked timeline; its sources are indices of the plan's segments."""
     order = sorted(spans)
     links = linked([spans[index] for index in order], dancers, length)
     return tuple(

@@ -1,7 +1,4 @@
-"""Kernels of evolutions: places at a beat, tracking, clearance, better pairs, divide and conquer (T088, T097-T101).
-
-How many pairs of dancers come too near to each other; of no pair it is known how near.
-"""
+"""Kernels of evolutions: places at a beat, tracking, clearance, pair swaps, divide and conquer (T088, T097-T101)."""
 
 import math
 
@@ -20,7 +17,7 @@ _VX, _VZ, _FIRM = 0, 1, 6  # columns of Wants.rows
 
 @part
 def _chance(seed: int, first: int, second: int) -> float:
-    """A number in [0, 1) that depends on its three arguments only (mixing steps of murmur3): seeded chance."""
+    """Return a seeded random number in [0, 1) that depends only on its three arguments (mixing steps of murmur3)."""
     h = (int(seed) * 0x9E3779B1 ^ int(first) * 0x85EBCA77 ^ int(second) * 0xC2B2AE3D) & 0xFFFFFFFF
     h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
     h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
@@ -30,7 +27,7 @@ def _chance(seed: int, first: int, second: int) -> float:
 
 @part
 def _share(t: float, soft: float) -> float:
-    """Share of the way covered after the share `t` of the time."""
+    """Return the share of the path covered after the share `t` of the time."""
     if soft <= 0.0:
         return t
     top = 1.0 / (1.0 - soft)
@@ -43,7 +40,7 @@ def _share(t: float, soft: float) -> float:
 
 @part
 def _rate(t: float, soft: float) -> float:
-    """Derivative of `_share`: speed as a multiple of the average speed."""
+    """Return the derivative of `_share`: speed as a multiple of the average speed."""
     if soft <= 0.0:
         return 1.0
     u = min(min(t, 1.0 - t) / soft, 1.0)
@@ -52,17 +49,17 @@ def _rate(t: float, soft: float) -> float:
 
 @kernel("f8(f8,f8)")
 def profile(t: float, soft: float) -> float:
-    """Share of the way covered after the share `t` in [0, 1] of the time.
+    """Return the share of the path covered after the share `t` in [0, 1] of the time.
 
-    `soft` in [0, 0.5] is the share of the time in which the speed rises, and falls again, as a smoothstep: no jump of
-    speed or acceleration; 0 is constant speed. The top speed is 1 / (1 - soft) of the average.
+    `soft` in [0, 0.5] is the share of the time in which the speed rises, and falls again, as a smoothstep: speed and
+    acceleration are continuous; 0 is constant speed. The top speed is 1 / (1 - soft) of the average.
     """
     return _share(min(max(t, 0.0), 1.0), min(max(soft, 0.0), 0.5))
 
 
 @part
 def _turn_at(turns: Float64, d: int, beat: float) -> float:
-    """Heading [rad] of the knots turns[d] (H, 2: beat, heading) at `beat`, linear between them, held outside."""
+    """Return the heading [rad] of the knots turns[d] (H, 2: beat, heading) at `beat`: linear, held beyond the ends."""
     low, high = 0, turns.shape[1] - 1
     if beat <= turns[d, 0, 0]:
         return float(turns[d, 0, 1])
@@ -94,12 +91,12 @@ def places_at(
     heading: Float32,
     under: Bytes,
 ) -> None:
-    """Where D dancers are on their ways at `beat`, written into the rows `who` (D,) of arrays of A dancers.
+    """Write the places of D dancers on their paths at `beat` into the rows `who` (D,) of arrays of A dancers.
 
-    `ways` (D, K, 2) [m] are knots at even shares of the way; between them runs a Catmull-Rom spline, which is the
-    straight line where the knots lie evenly on one. `times` (D, 2) are the beats at which each begins and ends;
-    before and after she stands. `turns` (D, H, 2) are knots (beat, heading). `velocity` is in metres per beat.
-    Rows with keep[d] == 0 are left alone; `under` becomes 1 where a row is written.
+    `ways` (D, K, 2) [m] are knots at even shares of the path, joined by a Catmull-Rom spline, which is a straight line
+    where the knots lie evenly on one. `times` (D, 2) are the beats at which each dancer begins and ends; before and
+    after they stand. `turns` (D, H, 2) are knots (beat, heading). `velocity` is in metres per beat. Rows with
+    keep[d] == 0 are left alone; `under` becomes 1 where a row is written.
     """
     last = ways.shape[1] - 1
     for d in range(ways.shape[0]):
@@ -137,9 +134,9 @@ def places_at(
 def sample_ways(
     beats: Float64, ways: Float32, times: Float64, soft: float, first: int, last: int, sample: Float32
 ) -> None:
-    """Places of the dancers `first` to `last` (not included) at T `beats`, into `sample` (T, D, 2) [m]: `places_at`'s.
+    """Write places of the dancers `first` to `last` (not included) at T `beats` into `sample` (T, D, 2) [m].
 
-    Knots are joined by straight lines here, which is within millimetres where they lie dense.
+    Arguments as in `places_at`, but knots are joined by straight lines: within millimetres where they lie dense.
     """
     final = ways.shape[1] - 1
     for d in range(first, last):
@@ -164,10 +161,10 @@ def track(
     within: float,
     rows: Float32,
 ) -> None:
-    """Ask dancers with under[a] to follow their ways: Wants.rows (A, 8) get velocity [m/s] and firmness.
+    """Command dancers with under[a] to follow their paths: write velocity [m/s] and firmness into Wants.rows (A, 8).
 
-    `now` (A, 2) is where they are, `position` (A, 2) where they should be, `velocity` (A, 2) [m/beat] of the way;
-    what is missing is made up within about `within` seconds.
+    `now` (A, 2) are the actual places, `position` (A, 2) the planned ones, `velocity` (A, 2) [m/beat] the planned one;
+    the position error is corrected within about `within` seconds.
     """
     for a in range(now.shape[0]):
         if under[a] == 0:
@@ -179,9 +176,9 @@ def track(
 
 @kernel("void(f4[:,:,::1], i8, i8, f4[:,::1], f4[:,::1])")
 def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, when: Float32) -> None:
-    """How near pairs of dancers come: `sample` (T, D, 2) [m] at even times, linear between them.
+    """Compute how near pairs of dancers come: `sample` (T, D, 2) [m] at even times, linear between them.
 
-    Rows `first` to `last` (not included) of `distance` (D, D) [m] and `when` (D, D) (in samples) are filled for all
+    Fills rows `first` to `last` (not included) of `distance` (D, D) [m] and `when` (D, D) (in samples) for all
     partners j, so a long job can be done in pieces; the diagonal becomes infinite.
     """
     times, count = sample.shape[0], sample.shape[1]
@@ -213,11 +210,11 @@ def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, 
 
 @kernel("i8(f8[:,::1], f8[:,::1], i4[::1], i4[::1], i8, i8)")
 def swap_pairs(start: Float64, slots: Float64, slot: Int32, section: Int32, first: int, last: int) -> int:
-    """Swap the slots of any two dancers of one section where that shortens the sum of squared ways.
+    """Swap the slots of any two dancers of one section where that reduces the sum of squared path lengths.
 
     Rows `first` to `last` (not included) are compared with all later ones; `slot` (D,) is changed in place, dancers
-    with slot -1 are left out. Returns how many were swapped; when a sweep over all rows returns 0, no two dancers on
-    synchronous straight ways come nearer than 1/√2 of the spacing (the argument of CAPT looks at pairs only).
+    with slot -1 are left out. Returns the number of swaps. When a sweep over all rows returns 0, no two dancers on
+    synchronous straight paths come nearer than 1/√2 of the spacing (the argument of CAPT considers pairs only).
     """
     swapped = 0
     for i in range(first, last):
@@ -237,21 +234,21 @@ def swap_pairs(start: Float64, slots: Float64, slot: Int32, section: Int32, firs
 
 @kernel("void(f8[:,::1], f4[:,:,::1], f4[:,:,::1], i8, i8)")
 def _locate(place: Float64, sample: Float32, offset: Float32, d: int, k: int) -> None:
-    """Where dancer `d` is at time `k` as shifted so far, x and z [m] into `place` (2, D)."""
+    """Write the shifted place of dancer `d` at time `k`, x and z [m], into `place` (2, D)."""
     place[0, d] = sample[d, k, 0] + offset[d, k, 0]
     place[1, d] = sample[d, k, 1] + offset[d, k, 1]
 
 
 @kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
 def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, freedom: float, seed: int) -> int:
-    """Divide and conquer (T101, Schulz 2011, 4.3.2): offsets (D, K, 2) that part ways that meet at the same time.
+    """Compute offsets (D, K, 2) that separate colliding paths, by divide and conquer (T101, Schulz 2011, 4.3.2).
 
-    `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are looked at.
-    Where two dancers would be nearer than `clear` [m], both are shifted in opposite senses along one random direction
-    (drawn from `seed`, the pair and the time) until they are `excess` times that apart; later levels start from the
-    means of what the levels before have shifted. With `freedom` 1 every direction may be drawn, as in the thesis; with
-    less only those so near to square to their relative motion: shifted along it two still meet, a little later.
-    Returns how many pairs were parted.
+    `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are examined.
+    Where two dancers would be nearer than `clear` [m], both are shifted in opposite directions along one random line
+    (drawn from `seed`, the pair and the time) until they are `excess` times that apart. Later levels start from the
+    means of the shifts of the levels before. With `freedom` 1 every direction may be drawn, as in the thesis; smaller
+    values allow only directions near the perpendicular of the relative motion: dancers shifted along it still meet, a
+    little later. Returns how many pairs were separated.
     """
     count, knots = sample.shape[0], sample.shape[1]
     for d in range(count):
@@ -259,7 +256,7 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
             offset[d, k, 0] = 0.0
             offset[d, k, 1] = 0.0
     parted = 0
-    place, surely = np.empty((2, count)), clear * clear + 1e-3  # to leave out at once who is surely far enough away
+    place, surely = np.empty((2, count)), clear * clear + 1e-3  # quick rejection of pairs that are far apart
     half = (knots - 1) // 2
     while half >= 1:
         for k in range(half, knots - 1, 2 * half):
@@ -285,7 +282,7 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
                     angle += math.pi * freedom * square_to
                     ux, uz = math.sin(angle), math.cos(angle)
                     along = x * ux + z * uz
-                    if along < 0.0:  # the sense in which they part
+                    if along < 0.0:  # choose the direction that separates them
                         ux, uz, along = -ux, -uz, -along
                     goal = (clear * excess) * (clear * excess)
                     shift = 0.5 * (math.sqrt(max(along * along + goal - square, 0.0)) - along)
@@ -301,7 +298,7 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
 
 @kernel("void(f4[:,:,::1])")
 def smooth_ways(offset: Float32) -> None:
-    """One pass of 1/4, 1/2, 1/4 along axis 1 of (D, K, 2); the ends stay."""
+    """Do one pass of the filter 1/4, 1/2, 1/4 along axis 1 of (D, K, 2); the ends stay."""
     for d in range(offset.shape[0]):
         for axis in range(2):
             before = float(offset[d, 0, axis])
@@ -312,12 +309,12 @@ def smooth_ways(offset: Float32) -> None:
 
 
 APART = 0.01
-"""Who is so much [m] more than clear of another has not met her yet, whatever rounding does."""
+"""Safety margin [m] against rounding: a pair farther apart than the clearance plus this has not met."""
 
 
 @kernel("void(f4[:,:,::1], f8[::1])")
 def longest_steps(ways: Float32, step: Float64) -> None:
-    """How far each dancer on `ways` (D, T, 2) [m] goes at most from one time to the next, `step` (D,) [m]."""
+    """Compute the longest step of each dancer on `ways` (D, T, 2) [m] between two times, `step` (D,) [m]."""
     for d in range(ways.shape[0]):
         longest = 0.0
         for k in range(1, ways.shape[1]):
@@ -330,13 +327,13 @@ def longest_steps(ways: Float32, step: Float64) -> None:
 def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
     """Whether two of the dancers on `ways` (D, T, 2) [m], at even times and linear between, come nearer than `clear`.
 
-    As `nearest_approach` measures it, but only as far as the first time; and since the two approach each other by
-    `step` [m] at most from one time to the next, times in which they cannot have met are left out.
+    The measure is that of `nearest_approach`, but the search stops at the first time found. The two approach each other
+    by at most `step` [m] from one time to the next, so times at which they cannot have met are skipped.
     """
     x0, z0 = float(ways[j, 0, 0]) - ways[i, 0, 0], float(ways[j, 0, 1]) - ways[i, 0, 1]
     if np.float32(math.sqrt(x0 * x0 + z0 * z0)) < clear:
         return True
-    surely = (float(clear) + APART) ** 2  # a root is only taken near the bound
+    surely = (float(clear) + APART) ** 2  # skips the square root except near the bound
     k = 1
     while k < ways.shape[1]:
         away = math.sqrt(x0 * x0 + z0 * z0) - clear - APART
@@ -362,7 +359,7 @@ def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
 
 @kernel("i8(f4[:,:,::1], f8[::1], i8, i8, f4)")
 def count_meetings(ways: Float32, step: Float64, first: int, last: int, clear: float) -> int:
-    """How many of the dancers `first` to `last` (not included) come nearer than `clear` [m] to how many after them.
+    """Count the pairs of a dancer `first` to `last` (not included) and a later one that come nearer than `clear` [m].
 
     `ways` as in `meet`, `step` (D,) [m] by `longest_steps`.
     """

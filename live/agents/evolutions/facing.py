@@ -1,7 +1,4 @@
-"""Whither dancers face on their way: linear, tangent, declared; smoothed over measures (T102, T126-T128).
-
-Turns: where everybody faces on her way, as an orientation asks for it (T101-T103, T127).
-"""
+"""Headings of dancers along their paths: linear, tangent, per measure, declared; smoothed (T101-T103, T126-T128)."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -18,43 +15,43 @@ Float64 = npt.NDArray[np.float64]
 TURN_KNOTS = 5
 """Knots of a turn on the spot."""
 STILL = 1e-3
-"""A way shorter than this [m] has no direction."""
+"""A path shorter than this [m] has no direction."""
 
 
 class Facing(StrEnum):
-    """How the heading on the way comes about."""
+    """How the heading along the path is determined."""
 
     LINEAR = "linear"
-    """Evenly from the first heading to the last, the shorter way round (T102 a)."""
+    """Evenly from the first heading to the last, in the shorter direction (T102 a)."""
     TANGENT = "tangent"
-    """Turn, travel facing the way, turn again (T102 b)."""
+    """Turn, travel facing along the path, turn again (T102 b)."""
     MEASURES = "measures"
-    """One heading for each measure: where she travels in it, the last heading where she stands; smoothed (T126)."""
+    """One heading per measure: the travel direction, or the last heading where the dancer stands; smoothed (T126)."""
     DECLARED = "declared"
-    """One heading for each measure, declared."""
+    """One heading per measure, as given in `Orientation.headings`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Orientation:
-    """How dancers are to face on their way."""
+    """How dancers face along their path."""
 
     facing: Facing = Facing.LINEAR
     headings: tuple[float, ...] = ()
-    """For `Facing.DECLARED`: heading [rad] of each measure; the last one lasts."""
+    """For `Facing.DECLARED`: heading [rad] of each measure; the last one is held."""
     smooth: bool = True
-    """For headings by the measure: a quarter of the turn before, half of it in, a quarter after its measure (T127)."""
+    """For headings per measure: a quarter of the turn before its measure, half in it, a quarter after (T127)."""
     turn_beats: float = 1.0
-    """For `Facing.TANGENT`: beats that each turn on the spot takes, at most an eighth of the time."""
+    """For `Facing.TANGENT`: beats of each turn on the spot, at most an eighth of the time."""
 
 
 def shortest_turn(before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
-    """The turn [rad] in [-π, π) that leads from one heading to another."""
+    """Return the turn [rad] in [-π, π) from one heading to another."""
     difference = np.asarray(after, np.float64) - np.asarray(before, np.float64)
     return np.asarray(difference - 2.0 * np.pi * np.floor((difference + np.pi) / (2.0 * np.pi)))
 
 
 def unwrap(headings: npt.ArrayLike) -> Float64:
-    """The same headings (..., N) [rad] without jumps of more than half a turn along the last axis."""
+    """Return the headings (..., N) [rad] without jumps of more than half a turn along the last axis."""
     values = np.array(headings, np.float64)
     turns = shortest_turn(values[..., :-1], values[..., 1:])
     values[..., 1:] = values[..., :1] + np.cumsum(turns, axis=-1)
@@ -62,9 +59,9 @@ def unwrap(headings: npt.ArrayLike) -> Float64:
 
 
 def smoothed(headings: npt.ArrayLike) -> Float64:
-    """O'(n) = O(n-1)/4 + O(n)/2 + O(n+1)/4 along the last axis, unwrapped first (T127, Schulz 2011, 5.2).
+    """Return O'(n) = O(n-1)/4 + O(n)/2 + O(n+1)/4 along the last axis, unwrapped first (T127, Schulz 2011, 5.2).
 
-    Beyond both ends the first and last heading go on.
+    The first and last heading are repeated beyond the ends.
     """
     values = unwrap(headings)
     if values.shape[-1] < 2:
@@ -74,19 +71,19 @@ def smoothed(headings: npt.ArrayLike) -> Float64:
 
 
 def rotations(headings: npt.ArrayLike) -> Float64:
-    """What is turned in each measure: O(n) - O(n-1), shape (..., N - 1), unwrapped (T128)."""
+    """Return the turn in each measure: O(n) - O(n-1), shape (..., N - 1), unwrapped (T128)."""
     return np.diff(unwrap(headings), axis=-1)
 
 
 def linear(times: Float64, before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
-    """Knots (D, 2, 2) of an even turn, the shorter way, over each dancer's own `times` (D, 2) [beats]."""
+    """Return knots (D, 2, 2) of an even turn in the shorter direction, over each dancer's `times` (D, 2) [beats]."""
     first = np.asarray(before, np.float64)
     heading = np.stack([first, first + shortest_turn(first, after)], axis=1)
     return np.ascontiguousarray(np.stack([times, heading], axis=-1))
 
 
 def by_measure(begin: float, measure_beats: float, before: npt.ArrayLike, headings: npt.ArrayLike) -> Float64:
-    """Knots (D, N + 1, 2) that reach heading n of `headings` (D, N) at the end of measure n after `begin` [beats]."""
+    """Return knots (D, N + 1, 2) that reach heading n of `headings` (D, N) at the end of measure n after `begin`."""
     series = unwrap(np.concatenate([np.asarray(before, np.float64)[:, None], np.asarray(headings, np.float64)], axis=1))
     lines = begin + measure_beats * np.arange(series.shape[1])
     return np.ascontiguousarray(np.stack([np.broadcast_to(lines, series.shape), series], axis=-1))
@@ -96,11 +93,11 @@ def tangent(
     ways: npt.NDArray[np.floating], shares: npt.ArrayLike, times: Float64, turn: float,
     before: npt.ArrayLike, after: npt.ArrayLike,
 ) -> Float64:  # fmt: skip
-    """Turn on the spot, face the way, turn again: knots (D, H, 2) (T102 b).
+    """Return knots (D, H, 2): turn on the spot, face along the path, turn again (T102 b).
 
     `ways` (D, K, 2) are travelled within `times` (D, 2) [beats]; knot k is passed at the share `shares` (K,) of that
-    time. The turns take `turn` [beats] before and after. Who has no way turns evenly from the first heading to the
-    last; where a way rests, the direction before counts.
+    time. The turns take `turn` [beats] before and after. A dancer without a path turns evenly from the first heading
+    to the last. Where a path rests, the previous direction is kept.
     """
     knots = np.asarray(ways, np.float64)
     first, last = np.asarray(before, np.float64), np.asarray(after, np.float64)
@@ -123,9 +120,9 @@ def tangent(
 
 
 def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: float = 0.1) -> Float64:
-    """Heading of each measure (D, N) from places at the measure lines (N + 1, D, 2): the way, or `rest` (D,) (T126).
+    """Return the heading of each measure (D, N) from places at the measure lines (N + 1, D, 2) (T126).
 
-    A measure in which a dancer comes less than `still` [m] away has the heading `rest`: facing the public, as a rule.
+    It is the travel direction, or `rest` (D,), usually towards the audience, if a dancer moves less than `still` [m].
     """
     steps = np.diff(np.asarray(places, np.float64), axis=0).transpose(1, 0, 2)
     heading = np.arctan2(steps[..., 0], steps[..., 1])
@@ -134,13 +131,13 @@ def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: floa
 
 
 def final_direction(ways: npt.NDArray[np.floating], rest: npt.ArrayLike) -> Float64:
-    """Where each way (D, K, 2) leads at its end, shape (D,) [rad]; `rest` (D,) for who has no way."""
+    """Return the direction of each path (D, K, 2) at its end, shape (D,) [rad]; `rest` (D,) where there is no path."""
     moving, direction = _directions(np.asarray(ways, np.float64))
     return np.where(moving, direction[:, -1], np.asarray(rest, np.float64))
 
 
 def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
-    """Who moves at all (D,), and the direction of each piece (D, K - 1); pieces at rest take that of the last one."""
+    """Return which dancers move (D,) and the direction of each piece (D, K - 1); resting pieces repeat the last one."""
     steps = np.diff(knots, axis=1)
     length = np.hypot(steps[..., 0], steps[..., 1])
     direction = np.arctan2(steps[..., 0], steps[..., 1])
@@ -153,7 +150,7 @@ def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
 
 
 def turn_beats(facing: Orientation, departure: Departure) -> float:
-    """Beats for each turn on the spot, which the way has to leave."""
+    """Return the beats of each turn on the spot, which the path has to leave free."""
     if facing.facing is not Facing.TANGENT:
         return 0.0
     return min(max(facing.turn_beats, 0.0), (departure.end - departure.begin) / 8.0)
@@ -162,7 +159,7 @@ def turn_beats(facing: Orientation, departure: Departure) -> float:
 def turned(
     journey: Journey, facing: Orientation, departure: Departure, after: npt.ArrayLike, *, closing: bool
 ) -> Journey:
-    """The same with the headings asked for; `closing` says whether the last heading must be met exactly."""
+    """Return the journey with the headings of `facing`; `closing`: the last heading must be met exactly."""
     moved, before, last = journey.locomotion, departure.heading, np.asarray(after, np.float64)
     if facing.facing is Facing.LINEAR:
         turns = linear(moved.times, before, last)
@@ -175,7 +172,7 @@ def turned(
 
 
 def _knot_shares(moved: Locomotion) -> Float64:
-    """The share of the time at which each knot of a way is passed, shape (K,)."""
+    """Return the share of the time at which each knot of a path is passed, shape (K,)."""
     fine = np.linspace(0.0, 1.0, 513)
     gone = np.array([profile(float(t), moved.soft) for t in fine])
     return np.interp(np.linspace(0.0, 1.0, moved.ways.shape[1]), gone, fine)

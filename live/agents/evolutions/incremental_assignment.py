@@ -1,11 +1,11 @@
-"""Matching in pieces: any number of dancers, and no frame waits for it (T097).
+"""Slot assignment for any number of dancers, done in pieces so that no frame waits for it (T097).
 
-An exact assignment of 1,000 dancers takes 50 ms and more. Here both sets are halved again and again, along the longer
-side of what they cover, until an exact assignment of the parts is quick; then pairs of dancers swap their slots as
-long as that shortens the sum of squared ways. The clearance of CAPT needs just that no pair can be bettered, so it
-holds for thousands as it does for fifty.
+An exact assignment of 1,000 dancers takes 50 ms and more. Here both sets are halved repeatedly along the longer side
+of their bounding box until an exact assignment of the parts is fast. Then pairs of dancers swap their slots as long
+as that reduces the sum of squared path lengths. The clearance proof of CAPT only needs that no pair can be improved,
+so it holds for thousands of dancers as for fifty.
 
-Long work in pieces: generators that yield after each piece and return the result, so that no frame waits.
+Long work is written as generators (`Pieces`) that yield after each piece and return the result.
 """
 
 from collections.abc import Callable, Generator
@@ -24,15 +24,15 @@ Index = npt.NDArray[np.intp]
 LEAF = 64
 """Dancers of a part that is assigned at once."""
 EXACT = 128
-"""Up to so many dancers of one section are assigned at once and exactly: at most about a millisecond."""
+"""Up to this many dancers of one section are assigned at once and exactly: at most about a millisecond."""
 PAIRS = 60_000
-"""Pairs looked at in one piece."""
+"""Pairs examined in one piece."""
 SWEEPS = 40
-"""Sweeps over all pairs at most; five to ten are needed."""
+"""Maximum sweeps over all pairs; five to ten are usually needed."""
 
 
 class DividedMatching:
-    """One matching, worked off in pieces: ``begin``, then ``work`` until ``done``; then `slot` holds the result."""
+    """One assignment, done in pieces: ``begin``, then ``work`` until ``done``; then `slot` holds the result."""
 
     def __init__(self) -> None:
         self.slot: Int32 = np.zeros(0, np.int32)
@@ -51,9 +51,9 @@ class DividedMatching:
         slot_section: Int32 | None = None,
         exact: int = EXACT,
     ) -> None:
-        """Match dancers at `start` (D, 2) with `slots` (S, 2) [m]; sections as in `sections`, one for all if left out.
+        """Match dancers at `start` (D, 2) with `slots` (S, 2) [m]; sections as in `sections`, by default one for all.
 
-        Each section is matched with its own slots; who finds none there goes to what is left of the unmarked slots.
+        Each section is matched with its own slots; dancers who find none there get the remaining unmarked slots.
         """
         self._start = np.ascontiguousarray(start, np.float64).reshape(-1, 2)
         self._slots = np.ascontiguousarray(slots, np.float64).reshape(-1, 2)
@@ -65,7 +65,7 @@ class DividedMatching:
         self._sweep, self._row, self._swapped = 0, 0, 0
         self._pieces = []
         named = [int(s) for s in np.unique(self._dancer_section) if s != ANYBODY]
-        # worked off from the end: the sections with a name first, then who is left over with the unmarked slots
+        # the list is a stack: named sections are done first, then the remaining dancers with the unmarked slots
         self._pieces.append(self._divide_the_rest)
         for section in reversed(named):
             who, where = self._dancer_section == section, self._slot_section == section
@@ -78,12 +78,12 @@ class DividedMatching:
         return not self._pieces
 
     def work(self) -> None:
-        """Do one piece, under a millisecond or two."""
+        """Do one piece, at most a millisecond or two."""
         if self._pieces:
             self._pieces.pop()()
 
     def finish(self) -> Int32:
-        """Do all that is left, at once; the result."""
+        """Complete the assignment at once and return it."""
         while not self.done:
             self.work()
         return self.slot
@@ -113,7 +113,7 @@ class DividedMatching:
         self.slot[who[found]] = where[slot[found]]
 
     def _same_number(self, who: Index, where: Index) -> tuple[Index, Index]:
-        """As many dancers as slots: those nearest to the middle of the others, or the first slots in their order."""
+        """Reduce to equal numbers: those nearest to the centre of the others, or the first slots in order."""
         if len(who) > len(where):
             return _nearest(who, self._start, self._slots[where].mean(axis=0), len(where)), where
         if self._fill is Fill.IN_ORDER:
@@ -132,7 +132,7 @@ class DividedMatching:
         self._pieces.append(lambda: self._halve(first[:half], second[:half]))
 
     def _swap(self) -> None:
-        """One piece of a sweep over all pairs; the next is put on the pile, until a whole sweep changes nothing."""
+        """Do one piece of a sweep over all pairs and push the next piece, until a whole sweep changes nothing."""
         count = len(self._start)
         last, pairs = self._row, 0
         while last < count and (pairs == 0 or pairs + count - last <= PAIRS):
@@ -155,7 +155,7 @@ def _nearest(index: Index, places: Float64, middle: npt.NDArray[np.float64], cou
 
 
 def _by(index: Index, places: Float64, axis: int) -> Index:
-    """`index` in the order of one coordinate, ties by the other one, then by number."""
+    """Return `index` sorted by one coordinate, ties by the other one, then by number."""
     return index[np.lexsort((index, places[index, 1 - axis], places[index, axis]))]
 
 
@@ -164,7 +164,7 @@ Pieces = Generator[None, None, Result]
 
 
 def at_once(pieces: Pieces[Result]) -> Result:
-    """Do all pieces; the result."""
+    """Run all pieces and return the result."""
     while True:
         try:
             next(pieces)

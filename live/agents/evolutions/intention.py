@@ -1,7 +1,4 @@
-"""Motion intentions: what a group is to do, whenever and by whomever; stored once, referred to by name (T085-T087).
-
-Motion segments: how an intention sits on the timeline: who, when, how long, how varied (T085, T086).
-"""
+"""Motion intentions (what a group does, stored once by name) and motion segments (who, when, how long) (T085-T087)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,13 +15,13 @@ from live.agents.groups.roster import Line, canon
 from live.base.errors import PersonError
 
 EVENLY: Final = Orientation()
-"""Evenly from the first heading to the last."""
+"""Turn evenly from the first heading to the last."""
 ALONG_THE_WAY: Final = Orientation(Facing.TANGENT)
-"""Facing the way."""
+"""Face along the path."""
 
 
 class FormationLike(Protocol):
-    """What evolutions need of a formation; `agents.formations` makes them."""
+    """The interface of a formation that evolutions need; `agents.formations` makes them."""
 
     @property
     def name(self) -> str: ...
@@ -38,17 +35,17 @@ class FormationLike(Protocol):
 
 @runtime_checkable
 class FormationMaker(Protocol):
-    """A formation whose places depend on how many dancers it is for."""
+    """A formation whose places depend on the number of dancers."""
 
     @property
     def name(self) -> str: ...
     def made(self, count: int) -> FormationLike:
-        """The places for `count` dancers."""
+        """Return the places for `count` dancers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Places:
-    """A formation as plain numbers."""
+    """A formation given by its numbers."""
 
     name: str
     slots: npt.NDArray[np.floating]
@@ -56,43 +53,43 @@ class Places:
     heading: npt.NDArray[np.floating]
     """Heading at each place (S,) [rad]."""
     marks: Sequence[str] = ()
-    """An attribute for each place, "" for anybody; or nothing at all."""
+    """A required attribute for each place ("": any dancer); may be empty."""
 
 
 class By(StrEnum):
-    """How it is decided who goes where."""
+    """How dancers are assigned to places."""
 
     COST = "cost"
-    """By an assignment of least cost."""
+    """Assignment of least cost."""
     ID = "id"
     """The first dancer of the group to the first place, and so on (T097)."""
 
 
 class Way(StrEnum):
-    """What is done about ways that meet."""
+    """How paths of dancers who would collide are treated."""
 
     MENDED = "mended"
-    """Straight; where dancers would meet, starts are changed, then ways bent."""
+    """Straight; to avoid collisions, start times are changed, then paths are bent."""
     STRAIGHT = "straight"
-    """Straight, whatever happens: steering keeps dancers apart."""
+    """Always straight: steering keeps dancers apart."""
     DIVIDED = "divided"
-    """Straight; where dancers would meet, ways are bent by divide and conquer (T101)."""
+    """Straight; to avoid collisions, paths are bent by divide and conquer (T101)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Matching:
-    """Who goes to which place (T097-T100)."""
+    """How dancers are assigned to places (T097-T100)."""
 
     by: By = By.COST
     cost: Cost = Cost.SQUARED
     equal_weight: float = 0.5
-    """Weight of equal ways against short ones in `Cost.BOTH`."""
+    """Weight of equal path lengths against short ones in `Cost.BOTH`."""
     fill: Fill = Fill.NEAREST
 
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Fixed condition: be in a formation (T095); who is not there yet goes there within the first measure."""
+    """Fixed condition: be in a formation (T095); dancers who are not there yet go there within the first measure."""
 
     formation: str
     matching: Matching = Matching()
@@ -100,33 +97,33 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Evolve:
-    """Boundary condition: go from wherever the last motion left the group into a formation (T096)."""
+    """Boundary condition: go from where the last motion left the group into a formation (T096)."""
 
     formation: str
     matching: Matching = Matching()
     way: Way = Way.MENDED
     orientation: Orientation = EVENLY
     soft: float = 0.25
-    """Share of the time in which speed is gathered, and lost; 0: constant speed."""
+    """Share of the time used to accelerate, and to decelerate; 0: constant speed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """Initial condition: keep the places the last motion left (T103)."""
+    """Initial condition: keep the places in which the last motion ended (T103)."""
 
 
 class Follow(StrEnum):
-    """How a group follows a drawn way."""
+    """How a group follows a drawn path."""
 
     SHIFTED = "shifted"
-    """Each from her own place: the formation is carried along."""
+    """Each dancer from their own place: the formation keeps its shape."""
     FILE = "file"
     """In single file, one after the other."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Initial condition: follow a drawn way (T103)."""
+    """Initial condition: follow a drawn path (T103)."""
 
     path: str
     follow: Follow = Follow.SHIFTED
@@ -138,10 +135,10 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class Procedural:
-    """Initial condition with evolution rules: elements move the group, so nothing is prescribed (T103, 4.4)."""
+    """Initial condition with evolution rules: elements move the group, no places are prescribed (T103, 4.4)."""
 
     marks: tuple[str, ...] = ()
-    """Names of the elements, for storyboards; what they do is theirs."""
+    """Names of the elements, for storyboards; the elements define the motion."""
 
 
 Intention = Hold | Evolve | Pause | Trajectory | Procedural
@@ -149,7 +146,7 @@ Intention = Hold | Evolve | Pause | Trajectory | Procedural
 
 @dataclass(frozen=True, slots=True)
 class Repertoire:
-    """Formations, drawn ways and intentions under their names; an edit reaches every segment that refers to them."""
+    """Formations, drawn paths and intentions by name; an edit reaches every segment that refers to them."""
 
     formations: Mapping[str, FormationLike | FormationMaker] = field(default_factory=dict)
     paths: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
@@ -157,32 +154,32 @@ class Repertoire:
     intentions: Mapping[str, Intention] = field(default_factory=dict)
 
     def with_formation(self, formation: FormationLike | FormationMaker) -> "Repertoire":
-        """The same with this formation new or edited."""
+        """Return a copy with this formation added or replaced."""
         return replace(self, formations={**self.formations, formation.name: formation})
 
     def with_path(self, name: str, polyline: npt.ArrayLike) -> "Repertoire":
-        """The same with this drawn way new or edited."""
+        """Return a copy with this drawn path added or replaced."""
         return replace(self, paths={**self.paths, name: np.asarray(polyline, np.float64)})
 
     def with_intention(self, name: str, intention: Intention) -> "Repertoire":
-        """The same with this intention new or edited."""
+        """Return a copy with this intention added or replaced."""
         return replace(self, intentions={**self.intentions, name: intention})
 
     def formation(self, name: str, count: int) -> FormationLike:
-        """The formation of this name for `count` dancers, or a PersonError that says which there are."""
+        """Return the formation of this name for `count` dancers, or raise a PersonError that lists the names."""
         if name not in self.formations:
             raise PersonError(f"no formation is called {name!r}", _there_are(self.formations))
         formation = self.formations[name]
         return formation.made(count) if isinstance(formation, FormationMaker) else formation
 
     def path(self, name: str) -> npt.NDArray[np.floating]:
-        """The drawn way of this name, or a PersonError."""
+        """Return the drawn path of this name, or raise a PersonError."""
         if name not in self.paths:
-            raise PersonError(f"no way is called {name!r}", _there_are(self.paths))
+            raise PersonError(f"no path is called {name!r}", _there_are(self.paths))
         return self.paths[name]
 
     def intention(self, of: "str | Intention") -> Intention:
-        """What a segment refers to; what it names must exist (PersonError otherwise)."""
+        """Return the intention of a segment. Raises PersonError if it or a name in it does not exist."""
         if isinstance(of, str):
             if of not in self.intentions:
                 raise PersonError(f"no intention is called {of!r}", _there_are(self.intentions))
@@ -203,17 +200,17 @@ class Segment:
     """One evolution of one group over some measures."""
 
     intention: str | Intention
-    """A name in the repertoire, so that edits reach it, or an intention of its own."""
+    """A name in the repertoire, so that edits reach it, or an intention given directly."""
     group: str = ""
-    """Who, as an expression of `groups.selection`; empty means everyone. Places mean where they stand at the start."""
+    """The dancers, as an expression of `groups.selection`; empty means all. Places are those at the start."""
     start: int = 0
-    """Measure at whose line it begins, from 0."""
+    """Measure at whose line the segment begins, from 0."""
     measures: int = 1
-    """Measures until all have arrived."""
+    """Measures until all dancers have arrived."""
     ripple: Ripple = TOGETHER
-    """Starts that differ from dancer to dancer."""
+    """Delays of the individual dancers' starts."""
     mirror: Line | None = None
-    """Formation or way are mirrored about this line."""
+    """Line about which the formation or path is mirrored."""
     later: float = 0.0
     """Beats by which it begins and ends later than its measures (canon)."""
 
@@ -227,16 +224,16 @@ class Segment:
             raise PersonError(f"a segment that begins {self.later} beats later", "it can only be later, not earlier")
 
     def begin_beat(self, measure_beats: float) -> float:
-        """The beat (from the first measure line) at which it begins."""
+        """Return the beat (from the first measure line) at which the segment begins."""
         return self.start * measure_beats + self.later
 
     def end_beat(self, measure_beats: float) -> float:
-        """The beat at which all have arrived."""
+        """Return the beat at which all dancers have arrived."""
         return (self.start + self.measures) * measure_beats + self.later
 
 
 def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Segment, ...]:
-    """The same motion by several groups, each `beats` later than the one before (T147)."""
+    """Return the same motion for several groups, each `beats` later than the one before (T147)."""
     return tuple(
         replace(segment, group=group, later=segment.later + delay)
         for group, delay in zip(groups, canon(len(groups), beats), strict=True)
@@ -244,5 +241,5 @@ def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Seg
 
 
 def in_mirror(segment: Segment, group: str, line: Line | None = None) -> tuple[Segment, Segment]:
-    """The motion, and the same by another group mirrored about `line` (the middle line of the stage if left out)."""
+    """Return the motion and its mirror image by another group, about `line` (default: middle of the stage)."""
     return segment, replace(segment, group=group, mirror=line or Line())

@@ -1,6 +1,6 @@
-"""Ways on the floor: straight, along a drawn line, in single file (T101, T103).
+"""Paths of a group on the floor: straight, along a drawn line, in single file (T101, T103).
 
-Divide and conquer: ways that meet are bent apart (T101, Schulz 2011, 4.3.2, after Perlin).
+Paths whose dancers would collide are bent apart by divide and conquer (T101, Schulz 2011, 4.3.2, after Perlin).
 """
 
 from dataclasses import replace
@@ -17,20 +17,20 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
 KNOTS = 65
-"""Knots of a drawn way."""
+"""Knots of a drawn path."""
 
 
 def straight(start: npt.ArrayLike, goal: npt.ArrayLike) -> Float32:
-    """Straight ways from `start` to `goal`, both (D, 2) [m]: knots of shape (D, 2, 2)."""
+    """Return straight paths from `start` to `goal`, both (D, 2) [m]: knots of shape (D, 2, 2)."""
     ends = np.stack([np.asarray(start, np.float64), np.asarray(goal, np.float64)], axis=1)
     return np.ascontiguousarray(ends, np.float32)
 
 
 def even(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
-    """`knots` points at even lengths along a polyline (N, 2) [m], the first and the last being its ends."""
+    """Return `knots` points at equal arc lengths along a polyline (N, 2) [m], including both ends."""
     points = np.asarray(polyline, np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0 or not np.isfinite(points).all():
-        raise PersonError("a drawn way needs points [x, z] of finite metres")
+        raise PersonError("a drawn path needs points [x, z] of finite metres")
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     if length[-1] < 1e-9:
         return np.repeat(points[:1], knots, axis=0)
@@ -39,13 +39,13 @@ def even(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
 
 
 def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Float64:
-    """An SVG path (the text of its attribute d) as a polyline (N, 2) [m]; down in the drawing is to the audience."""
+    """Return an SVG path (the text of its attribute d) as a polyline (N, 2) [m]; down in the drawing is downstage."""
     import svgpathtools
 
     try:
         path = svgpathtools.parse_path(data)
         lengths = [segment.length() for segment in path]
-    except Exception as error:  # svgpathtools raises whatever its parsing meets
+    except Exception as error:  # svgpathtools raises many exception types for malformed data
         raise PersonError(f"SVG path {data[:40]!r} cannot be read: {error}") from error
     if not path or not 0.0 < sum(lengths) < np.inf:
         raise PersonError(f"SVG path {data[:40]!r} draws nothing")
@@ -55,14 +55,14 @@ def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Fl
         points.extend(segment.point(t) for t in np.linspace(0.0, 1.0, share))
     flat = np.array([[point.real, point.imag] for point in points]) * metres_per_unit
     if not np.isfinite(flat).all():
-        raise PersonError(f"SVG path {data[:40]!r} leads to infinity")
+        raise PersonError(f"SVG path {data[:40]!r} has points that are not finite")
     return flat
 
 
 def shifted(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
-    """Everybody goes the drawn way from her own place, so the formation is carried along; shape (D, knots, 2).
+    """Return paths on which each dancer follows the drawn path from their own place, shape (D, knots, 2).
 
-    `polyline` (N, 2) is taken as a motion: only how it goes on from its first point matters.
+    The formation keeps its shape. Only the displacement from the first point of `polyline` (N, 2) matters.
     """
     way = even(polyline, knots)
     places = np.asarray(start, np.float64)
@@ -70,11 +70,11 @@ def shifted(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -
 
 
 def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0.8, knots: int = 129) -> Float32:
-    """One after the other along a drawn way, as on a string: knots (D, knots, 2).
+    """Return paths along a drawn line in single file, one dancer after the other: knots (D, knots, 2).
 
-    Who stands nearest to the beginning of the way goes first and stops at its end, the others stay `gap` [m] apart
-    behind her; each comes from her own place, and reaches the beginning of the way when it is her turn. The knots lie
-    at even lengths of the *first* dancer's way, so all have to travel at the same times.
+    The dancer nearest to the start of the line goes first and stops at its end; the others follow `gap` [m] apart.
+    Each walks straight from their own place and reaches the start of the line when it is their turn. The knots lie at
+    equal lengths of the *first* dancer's path, so all dancers must travel with the same times.
     """
     places = np.asarray(start, np.float64).reshape(-1, 2)
     way = even(polyline, max(knots, 257))
@@ -84,7 +84,7 @@ def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0
     approach = float(np.hypot(*(places[order[0]] - way[0]))) if len(order) else 0.0
     gone = np.linspace(0.0, approach + at[-1], knots)
     for rank, dancer in enumerate(order):
-        turn = approach + rank * gap  # what the first has gone when this one reaches the beginning of the way
+        turn = approach + rank * gap  # distance that the first has travelled when this one reaches the line's start
         share = np.clip(gone / max(turn, 1e-9), 0.0, 1.0)[:, None] if turn > 0.0 else np.ones((knots, 1))
         coming = places[dancer] + share * (way[0] - places[dancer])
         along = np.stack([np.interp(gone - turn, at, way[:, 0]), np.interp(gone - turn, at, way[:, 1])], axis=1)
@@ -95,22 +95,22 @@ def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0
 
 
 def lengths(ways: npt.NDArray[np.floating]) -> Float64:
-    """Length of each way (D, K, 2) [m], shape (D,)."""
+    """Return the length of each path (D, K, 2) [m], shape (D,)."""
     steps = np.diff(np.asarray(ways, np.float64), axis=1)
     return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
 
 
 LEVELS = 6
-"""1/2, 1/4 and 3/4, ... down to 1/64 of the time are looked at."""
+"""Levels of subdivision: the times 1/2, then 1/4 and 3/4, ... down to 1/64 are examined."""
 SMOOTHING = 6
-"""Passes of 1/4, 1/2, 1/4 after the ways have been parted."""
+"""Passes of the filter 1/4, 1/2, 1/4 after paths have been separated."""
 ROUNDS = 24
-"""The thesis parts and smooths once; what the smoothing brings together again is parted anew, so many times at most."""
+"""Maximum rounds of separating and smoothing. The thesis does one; smoothing can bring dancers together again."""
 FREEDOM = 0.0
-"""How freely the direction of a shift is drawn: 1 as in the thesis, any; 0 square to the dancers' relative motion, and
-only the side is chance: ten dancers who all swap places through one point come by then, and do not with 1."""
+"""How random the direction of a shift is: 1 is any direction, as in the thesis; 0 is perpendicular to the relative
+motion with a random side. With 0, ten dancers who swap places through one point get past each other; with 1 not."""
 PIECE = 200_000
-"""Looks at a pair at a time that make one piece of work: about a millisecond."""
+"""Pair checks in one piece of work: about a millisecond."""
 
 
 def divided(
@@ -123,11 +123,10 @@ def divided(
     freedom: float = FREEDOM,
     half: tuple[float, float] | None = None,
 ) -> Locomotion:
-    """The same journey with ways bent so that dancers keep `clear` [m] between their centres, as far as that goes.
+    """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
 
-    Of all rounds the ways with the fewest pairs that meet are kept (the earliest of equals). The result's ways are
-    knots at even *times*, with the speeds of the journey in them. `half` keeps them on the stage [m]. Starts and goals
-    stay. Same seed, same ways.
+    The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
+    *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
     """
     return at_once(
         dividing(locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, freedom=freedom, half=half)
@@ -144,7 +143,7 @@ def dividing(
     freedom: float = FREEDOM,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Locomotion]:
-    """`divided` in pieces."""
+    """The same as `divided`, in pieces."""
     begin, end = locomotion.begin, locomotion.end
     beats = np.linspace(begin, end, 2**LEVELS + 1)
     count = locomotion.count
@@ -172,7 +171,7 @@ def dividing(
 
 
 def _meeting(ways: Float32, clear: float) -> Pieces[int]:
-    """How many pairs come nearer than `clear` [m]."""
+    """Count the pairs that come nearer than `clear` [m]."""
     count, times = ways.shape[:2]
     rows, meeting = max(1, PIECE // max(1, count * times)), 0
     step = np.zeros(count)

@@ -1,4 +1,4 @@
-"""A segment that has been, or is being, worked out for certain dancers; what a running plan holds (T085)."""
+"""A segment of a running plan, planned in pieces for certain dancers (T085)."""
 
 from dataclasses import replace
 from typing import Final
@@ -13,16 +13,16 @@ from live.agents.evolutions.trajectory import Float32, Setting
 from live.agents.evolutions.trajectory_builder import travelling
 
 PATIENCE: Final = 96
-"""How often work may still be done after a segment has begun: at once a tick for a second and a half."""
+"""Maximum calls of late planning work after a segment has begun: about a second and a half at one per tick."""
 PAIRS: Final = 2500
-"""Pairs of dancers that are looked at in about half a millisecond."""
+"""Pairs of dancers that are processed in about half a millisecond."""
 SEATED: Final = 60
-"""While it is not known yet who goes where, a small piece is done at a time for each so many dancers: else the largest
-groups would not know it when the measure begins."""
+"""Until slots are assigned, one small piece is done per this many dancers at a time. Otherwise the largest groups
+would have no slots when the measure begins."""
 
 
 class Motion:
-    """One segment from one departure: worked out in pieces, then asked for places at beats."""
+    """One segment from one starting state: planned in pieces, then evaluated at beats."""
 
     def __init__(self, segment: Segment, intention: Intention, repertoire: Repertoire, departure: Departure) -> None:
         self.segment = segment
@@ -31,9 +31,9 @@ class Motion:
         self.who = departure.numbers
         """Indices of its dancers, shape (D,)."""
         self.keep = np.ones(len(self.who), np.uint8)
-        """1 for dancers it still holds, shape (D,)."""
+        """1 for dancers that it still controls, shape (D,)."""
         self.journey: Journey | None = None
-        """What came out; the draft of it while ways are mended; None before, and for `Procedural` always."""
+        """The result, or its draft during collision repair. None before, and always None for `Procedural`."""
         self._draft = Draft()
         self._from: npt.NDArray[np.floating] | None = None
         self._left = PATIENCE
@@ -43,21 +43,21 @@ class Motion:
 
     @property
     def begin(self) -> float:
-        """The beat from which it holds its dancers."""
+        """The beat from which it controls its dancers."""
         return self.departure.begin
 
     @property
     def done(self) -> bool:
-        """Whether it is worked out."""
+        """Whether planning is complete."""
         return self._pieces is None
 
     @property
     def usable(self) -> bool:
-        """Whether it is known where everybody goes; her way may still be mended."""
+        """Whether every dancer's goal is set; collision repair may still be running."""
         return self.done or self.journey is not None
 
     def work(self) -> None:
-        """Do one piece."""
+        """Do one piece of planning."""
         if self._pieces is None:
             return
         try:
@@ -70,19 +70,19 @@ class Motion:
                 self._start()
 
     def make_usable(self) -> None:
-        """Do what is left until everybody knows where she goes."""
+        """Plan until every dancer has a goal."""
         while not self.usable:
             self.work()
 
     def finish(self) -> None:
-        """Do all that is left."""
+        """Complete the planning."""
         while not self.done:
             self.work()
 
     def work_some(self, *, late: bool = False) -> None:
-        """Do about half a millisecond's work: pieces take the longer the more pairs of dancers there are.
+        """Do about half a millisecond of work: pieces take longer with more pairs of dancers.
 
-        `late`: it has begun already; what takes too long then stays as it is, and steering sees to the rest.
+        `late`: the segment has begun already. After `PATIENCE` calls the plan stays as it is.
         """
         self._left -= late
         if self._left < 0:
@@ -93,7 +93,7 @@ class Motion:
             self.work()
 
     def start_from(self, position: npt.NDArray[np.floating]) -> None:
-        """The dancers stand at `position` (D, 2) [m], not where they were foreseen: ways begin there, ends stay."""
+        """Move the starts of the paths to the actual places `position` (D, 2) [m] of the dancers; the ends stay."""
         self._from = np.asarray(position, np.float64)
         self._start()
 
@@ -109,7 +109,7 @@ class Motion:
         self.journey = replace(self.journey, locomotion=replace(moved, ways=ways))
 
     def write(self, beat: float, out: Setting) -> None:
-        """Fill the rows of its dancers; elements' dancers become free."""
+        """Fill the rows of its dancers; dancers moved by elements become free."""
         if self.journey is not None:
             self.journey.locomotion.write(beat, self.who, self.keep, out)
         elif self.done:

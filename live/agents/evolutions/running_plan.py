@@ -1,7 +1,7 @@
-"""The running plan: segments of all groups, worked out as they come up, followed beat by beat (T085-T089, T096).
+"""The running plan: segments of all groups, planned ahead and followed beat by beat (T085-T089, T096).
 
-Beats of a plan are danced beats: (measure + fraction of it) times the beats of a measure, counted from measure 0. So
-dancers arrive on the danced measure line wherever "this is the one" has moved it.
+Beats of a plan are danced beats: (measure + fraction of it) times the beats of a measure, counted from measure 0.
+Dancers therefore arrive on the danced measure line even if a "this is the one" tap has moved it.
 """
 
 from collections.abc import Iterable
@@ -22,28 +22,28 @@ from live.agents.groups.roster import Mask, Roster
 
 
 class Standing(Protocol):
-    """A state of agents: where they are."""
+    """An agent state with positions."""
 
     position: Float32
     """Places [m], shape (A, 2)."""
 
 
 WITHIN = 0.3
-"""Seconds within which a dancer who was pushed aside makes up for it."""
+"""Seconds within which a displaced dancer returns to the planned path."""
 AT_ONCE = 100
-"""Segments that begin now are worked out at once for so many dancers; for more, in pieces over the next ticks."""
+"""Segments that begin now are planned at once for up to this many dancers, otherwise over the next ticks."""
 
 
 @dataclass(slots=True, eq=False)
 class _Entry:
-    """A segment of the plan and who has been taken out of it."""
+    """A segment of the plan and the dancers removed from it."""
 
     segment: Segment
     without: Mask
 
 
 class Plan:
-    """What a show's dancers have been told to do; see the module for what its beats are."""
+    """The planned motion of a show's dancers; the module defines its beats."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class Plan:
         """`half` is half the width and depth of the stage [m], `radius` (A,) or one for all the body radii [m]."""
         self.roster = roster
         self.available: Mask = np.ones(roster.count, np.bool_)
-        """Who takes part in segments that begin, shape (A,): not those who wait in the wings or are leaving."""
+        """Dancers who take part in segments that begin, shape (A,): not those offstage or leaving."""
         self.measure_beats = measure_beats
         self._repertoire = repertoire
         self._half = half
@@ -79,12 +79,12 @@ class Plan:
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """All segments that are not forgotten, in the order in which they were added."""
+        """All remembered segments, in the order in which they were added."""
         return tuple(entry.segment for entry in self._entries)
 
     @property
     def repertoire(self) -> Repertoire:
-        """Formations, ways and intentions; what is put here reaches every segment that has not begun (T087)."""
+        """Formations, paths and intentions; an assignment reaches every segment that has not begun (T087)."""
         return self._repertoire
 
     @repertoire.setter
@@ -93,9 +93,9 @@ class Plan:
         self._coming.clear()
 
     def add(self, segment: Segment, *, instead: bool = False) -> None:
-        """Plan one more segment for its measure; it replaces what its dancers have then. PersonError: unknown names.
+        """Plan one more segment for its measure; it replaces what its dancers have then.
 
-        `instead`: one that the same words planned for the same measure is forgotten.
+        `instead`: replace the segments of the same group expression and measure. PersonError: a name is unknown.
         """
         if instead:
             self._entries = [
@@ -107,7 +107,7 @@ class Plan:
         self._coming.pop(segment.start, None)
 
     def withdraw(self, segments: Iterable[Segment]) -> None:
-        """Forget these very segments, which have not begun."""
+        """Remove these segment objects, which have not begun."""
         gone = {id(segment) for segment in segments}
         for entry in self._entries:
             if id(entry.segment) in gone:
@@ -115,23 +115,23 @@ class Plan:
         self._entries = [entry for entry in self._entries if id(entry.segment) not in gone]
 
     def resize(self, half: tuple[float, float]) -> None:
-        """Half the stage's width and depth [m] are these for whatever begins from now on."""
+        """Set half the stage's width and depth [m] for all segments that begin from now on."""
         self._half = half
         self._coming.clear()
 
     def forget(self, measure: int) -> None:
-        """Forget the segments of measures before `measure`: a show that lasts hours adds them again and again."""
+        """Remove the segments of measures before `measure`, so that the list does not grow in a long show."""
         self._entries = [entry for entry in self._entries if entry.segment.start >= measure]
 
     def clear(self, dancers: Mask) -> None:
-        """These dancers (A,) have no segments any more, now and later; until told otherwise elements move them."""
+        """Remove these dancers (A,) from all segments, now and later; until a new one is added elements move them."""
         self.release(dancers)
         for entry in self._entries:
             entry.without |= dancers
         self._coming.clear()
 
     def release(self, dancers: Mask) -> None:
-        """What these dancers (A,) have now is over: elements move them; segments that have not begun stay planned."""
+        """End the current segments of these dancers (A,): elements move them; later segments stay planned."""
         for motion in (*self._motions, *self._at_work):
             motion.keep[dancers[motion.who]] = 0
 
@@ -139,17 +139,16 @@ class Plan:
 
     @property
     def running(self) -> bool:
-        """Whether a segment has begun, or is at work late, that may hold somebody."""
+        """Whether a segment that has begun, or is still being planned late, may control a dancer."""
         return bool(self._motions or self._at_work)
 
     def prepare(
         self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_known: bool = False
     ) -> None:
-        """Begin to work out, ahead of time, what begins with `measure`; `target` knows of it as soon as it can.
+        """Start to plan the segments of `measure` ahead of time; `target` includes them as soon as they are usable.
 
-        `positions` (A, 2) [m] and `headings` (A,) [rad] are those foreseen for its line, for dancers whom no segment
-        holds then; `if_known`: only if segments hold everybody who takes part. Measures that nothing begins with cost
-        nothing.
+        `positions` (A, 2) [m] and `headings` (A,) [rad] are the predictions for its line, for dancers without a segment
+        then. `if_known`: only if segments control every dancer who takes part. Measures without segments cost nothing.
         """
         if measure not in self._coming:
             if if_known and not self._all_known(measure, positions):
@@ -158,7 +157,7 @@ class Plan:
             self._coming[measure] = self._begun(entries, None, np.asarray(positions), np.asarray(headings))
 
     def work(self) -> None:
-        """Do one piece (about a millisecond at most) of what is to be worked out, if there is anything."""
+        """Do one piece (about a millisecond at most) of pending planning, if there is any."""
         if self._at_work:
             motion = self._at_work[0]
             if motion in self._motions:
@@ -176,7 +175,7 @@ class Plan:
             motion_ahead.work_some()
 
     def finish(self) -> None:
-        """Do all that is left to be worked out of what has begun, however long it takes: not while a show runs."""
+        """Complete the planning of all segments that have begun. Takes unbounded time: not for use during a show."""
         for motion in self._at_work:
             motion.finish()
             if motion not in self._motions:
@@ -184,20 +183,21 @@ class Plan:
         self._at_work.clear()
 
     def drop_begun(self) -> None:
-        """Forget what is half worked out: its dancers are free, and what has not begun is prepared anew."""
+        """Drop segments whose planning is incomplete: their dancers are free, and later segments are prepared again."""
         self._motions = [motion for motion in self._motions if motion not in self._at_work]
         self._at_work.clear()
         self._coming.clear()
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is left to be worked out."""
+        """Whether no planning is pending."""
         return not self._at_work and all(motion.done for coming in self._coming.values() for motion in coming)
 
     def begin_measure(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> list[Motion]:
-        """`measure` begins: so do its segments, from where the dancers are now; returns them.
+        """Begin the segments of `measure` from where the dancers are now, and return them.
 
-        `positions` (A, 2) [m] and `headings` (A,) [rad] are the actual ones. What `prepare` has left is done at once.
+        `positions` (A, 2) [m] and `headings` (A,) [rad] are the actual ones. Planning that `prepare` left incomplete is
+        done at once until it is usable.
         """
         where = np.asarray(positions, np.float64)
         self.prepare(measure, where, headings)
@@ -219,10 +219,10 @@ class Plan:
     def start_now(
         self, segment: Segment, beat: float, positions: npt.ArrayLike, headings: npt.ArrayLike
     ) -> list[Motion]:
-        """Begin `segment` at `beat`, whatever its measure says; it ends on a measure line, with its `measures`.
+        """Begin `segment` at `beat`, regardless of its measure; it ends on a measure line, after its `measures`.
 
-        The measure that is under way counts as one if half of it is left. A large group's segment begins some ticks
-        later, when `work` has done it.
+        The current measure counts as one if at least half of it is left. A large group's segment begins some ticks
+        later, when `work` has planned it.
         """
         self._repertoire.intention(segment.intention)
         entry = _Entry(segment, np.zeros(self.roster.count, np.bool_))
@@ -239,24 +239,24 @@ class Plan:
         return motions
 
     def write(self, wants: Wants, state: Standing, beat: float, beats_per_second: float) -> None:
-        """Ask the dancers under a segment to be where it says at `beat`: desired velocity, firmly."""
+        """Command the dancers under a segment to be at its places at `beat`: desired velocity with full firmness."""
         setting = self.at(beat)
         track(state.position, setting.position, setting.velocity, setting.under, beats_per_second, WITHIN, wants.rows)
 
     def at(self, beat: float) -> Setting:
-        """Where segments say that dancers are at `beat`; an array of the plan, filled anew by the next call."""
+        """Return the planned state of the dancers at `beat`; an array of the plan, overwritten by the next call."""
         return self._fill(beat, self._now, False)
 
     def target(self, beat: float) -> Setting:
-        """The same for a future beat, with what has been prepared: exact places and headings where `under` is 1.
+        """Return the planned state at a future beat, including prepared segments: exact where `under` is 1.
 
-        Another array than that of `at`, filled anew by the next call of `target`.
+        The array is not that of `at`; the next call of `target` overwrites it.
         """
         return self._fill(beat, self._target, True)
 
     @property
     def motions(self) -> tuple[Motion, ...]:
-        """The segments that have begun and still hold somebody, in the order in which they count."""
+        """The segments that have begun and still control a dancer, in order of precedence."""
         return tuple(self._motions)
 
     # how it is done
@@ -304,7 +304,7 @@ class Plan:
         return motions
 
     def _all_known(self, measure: int, positions: npt.ArrayLike) -> bool:
-        """Whether segments say where everybody will be who takes part in those of `measure`."""
+        """Whether segments determine the places of all dancers who take part in those of `measure`."""
         under = self._fill(measure * self.measure_beats, self._boundary, True).under == 1
         for entry in self._entries:
             if entry.segment.start == measure:

@@ -1,4 +1,4 @@
-"""Departure and journey: what a segment begins with, and what is worked out of it."""
+"""The starting state of a segment (departure) and the planned result (journey)."""
 
 from collections.abc import Set
 from dataclasses import dataclass
@@ -12,20 +12,20 @@ from live.agents.evolutions.trajectory import Float64, Locomotion
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Departure:
-    """The boundary condition at the start: D dancers, where they stand and face, and the time there is."""
+    """The boundary condition at the start: places and headings of D dancers, and the time available."""
 
     numbers: npt.NDArray[np.int32]
-    """Their indices among all dancers, shape (D,)."""
+    """Indices among all dancers, shape (D,)."""
     position: Float64
     """Places [m], shape (D, 2)."""
     heading: Float64
     """Headings [rad], shape (D,)."""
     words: tuple[Set[str], ...]
-    """The attributes of each, length D."""
+    """The attributes of each dancer, length D."""
     begin: float
     """Beat of the start."""
     end: float
-    """Beat by which all have arrived."""
+    """Beat by which all dancers have arrived."""
     measure_beats: float
     """Beats of a measure."""
     radius: Float64
@@ -37,23 +37,23 @@ class Departure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Journey:
-    """The locomotion of a segment, and what there is to say of it."""
+    """The locomotion of a segment, with the results of the collision check."""
 
     locomotion: Locomotion
     slot: npt.NDArray[np.int32]
     """Slot of the formation that each dancer goes to, shape (D,); -1: none."""
     retimed: int = 0
-    """How many dancers start at another time than asked, so that nobody meets."""
+    """Number of dancers whose start time was changed to avoid collisions."""
     bent: bool = False
-    """Whether ways were bent, so that nobody meets."""
+    """Whether paths were bent to avoid collisions."""
     remaining: tuple[Approach, ...] = ()
-    """Pairs (rows of the locomotion) that come nearer than their bodies on these ways: left to steering."""
+    """Pairs (rows of the locomotion) whose bodies would touch on these paths: left to steering."""
     checked: bool = True
-    """Whether clearance was looked at; not of the largest groups."""
+    """Whether clearance was checked; the largest groups are not checked."""
 
 
 @dataclass(slots=True, eq=False)
 class Draft:
-    """What is known of a journey as soon as everybody has her place: the ways before they are mended."""
+    """The journey as soon as slots are assigned, before collision repair."""
 
     journey: Journey | None = None

@@ -1,7 +1,4 @@
-"""Who goes to which place: by ID, or by an assignment of least cost (T097-T100; CAPT).
-
-Sections: which dancers may stand on which slots, e.g. the soloist on the soloist's (T093, T104).
-"""
+"""Assignment of dancers to slots, by ID or by least cost (T097-T100; CAPT), with reserved slots (T093, T104)."""
 
 from collections.abc import Sequence, Set
 from enum import StrEnum
@@ -16,18 +13,18 @@ Mask = npt.NDArray[np.bool_]
 
 
 class Cost(StrEnum):
-    """What an assignment makes small."""
+    """The quantity that an assignment minimizes."""
 
     SQUARED = "squared"
-    """The sum of squared distances (CAPT: Turpin, Michael, Kumar 2014): synchronous straight ways never meet."""
+    """The sum of squared distances (CAPT: Turpin, Michael, Kumar 2014): synchronous straight paths never meet."""
     SHORTEST = "shortest"
     """The sum of distances, W_min (T098, Schulz 2011, 4.3.2)."""
     EQUAL = "equal"
-    """How much each way differs from the mean way of the shortest matching, W_equal (T099)."""
+    """How much each path differs from the mean path of the shortest assignment, W_equal (T099)."""
     BOTH = "both"
     """A weighted sum of the last two, W_both (T100)."""
     BOTTLENECK = "bottleneck"
-    """The longest way, then the sum of squares."""
+    """The longest path, then the sum of squares."""
 
 
 class Fill(StrEnum):
@@ -40,7 +37,7 @@ class Fill(StrEnum):
 
 
 def distances(start: npt.ArrayLike, slots: npt.ArrayLike) -> Float64:
-    """Distance [m] from each start (D, 2) to each slot (S, 2), shape (D, S)."""
+    """Return the distance [m] from each start (D, 2) to each slot (S, 2), shape (D, S)."""
     difference = np.asarray(start, np.float64)[:, None, :] - np.asarray(slots, np.float64)[None, :, :]
     return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
 
@@ -54,11 +51,11 @@ def assign(
     allowed: Mask | None = None,
     fill: Fill = Fill.NEAREST,
 ) -> Int32:
-    """The slot of each dancer, shape (D,): exact, for up to about 200 dancers within a tick.
+    """Return the slot of each dancer, shape (D,): exact, within a tick for up to about 200 dancers.
 
-    `start` (D, 2) and `slots` (S, 2) [m]. -1 means that she gets none: there are more dancers than slots, or nothing
-    that she is `allowed` (D, S) is left; as many as possible get one. `equal_weight` (0 to 1) is the weight of
-    W_equal in `Cost.BOTH`; 0.5 is the thesis' plain sum.
+    `start` (D, 2) and `slots` (S, 2) [m]. -1 means no slot: there are more dancers than slots, or no slot that is
+    `allowed` (D, S) is left; as many dancers as possible get one. `equal_weight` (0 to 1) is the weight of W_equal in
+    `Cost.BOTH`; 0.5 is the thesis' plain sum.
     """
     metres = distances(start, slots)
     if metres.size == 0:
@@ -71,7 +68,7 @@ def assign(
 
 
 def by_id(dancers: int, slots: int) -> Int32:
-    """The first dancer to the first slot and so on, shape (D,): the matching that is declared (T097)."""
+    """Assign the first dancer to the first slot and so on, shape (D,): the declared matching (T097)."""
     own = np.arange(dancers, dtype=np.int32)
     return np.where(own < slots, own, -1).astype(np.int32)
 
@@ -91,7 +88,7 @@ def _weights(metres: Float64, cost: Cost, equal_weight: float, possible: Mask, t
 
 
 def _solve(weights: Float64, possible: Mask, taken: Float64 | None) -> Int32:
-    """Least sum; what is not possible costs more than everything else together, so it is used last and undone."""
+    """Minimize the sum. Impossible pairs cost more than all others together, so they come last and are removed."""
     if taken is None and possible.all():
         rows, columns = linear_sum_assignment(weights)
         slot = np.full(weights.shape[0], -1, np.int32)
@@ -110,16 +107,16 @@ def _solve(weights: Float64, possible: Mask, taken: Float64 | None) -> Int32:
 
 
 def _order_bonus(shape: tuple[int, int]) -> Float64:
-    """A price that rises with the number of a slot, by more than all ways together (which `_solve` keeps under 1).
+    """Return a price that rises with the slot number by more than all paths together (`_solve` keeps those under 1).
 
     The sets of slots that can be filled form a matroid, so the least sum of numbers is also the set that fills the
-    slots in their order wherever that can be done.
+    slots in order wherever possible.
     """
     return np.broadcast_to(np.arange(shape[1], dtype=np.float64), shape)
 
 
 def _longest_needed(metres: Float64, possible: Mask, taken: Float64 | None) -> float:
-    """The smallest longest way with which as many dancers get a slot as without any limit (bisection)."""
+    """Return the smallest limit on path length with which as many dancers get a slot as without one (bisection)."""
     full = _solve(np.zeros_like(metres), possible, taken)
     wanted = (int((full >= 0).sum()), int(full.clip(0).sum()) if taken is not None else 0)
     candidates = np.unique(metres[possible])
@@ -136,14 +133,14 @@ def _longest_needed(metres: Float64, possible: Mask, taken: Float64 | None) -> f
 
 
 ANYBODY = 0
-"""The section of slots without a mark, and of dancers whom no mark means."""
+"""The section of slots without a mark, and of dancers without a matching mark."""
 
 
 def sections(words: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int32, Int32]:
-    """Section of each dancer (D,) and of each slot (S,), as numbers; `ANYBODY` where no mark means her.
+    """Return the section of each dancer (D,) and of each slot (S,), as numbers; `ANYBODY` where no mark matches.
 
-    `words` are the attributes of each dancer, `marks` one word per slot ("" means anybody). A dancer belongs to the
-    first mark, in the order of the slots, that is one of her attributes.
+    `words` are the attributes of each dancer, `marks` one word per slot ("": any dancer). A dancer belongs to the
+    first mark, in slot order, that is one of their attributes.
     """
     names = list(dict.fromkeys(mark for mark in marks if mark))
     number = {name: index + 1 for index, name in enumerate(names)}
@@ -152,7 +149,7 @@ def sections(words: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int32, In
 
 
 def allowed(dancer: Int32, slot: Int32) -> Mask:
-    """Who may stand where, shape (D, S): on slots of one's own section; on unmarked ones too if those are full."""
+    """Return which slots each dancer may take, shape (D, S): of their section, and unmarked ones if those are full."""
     own = dancer[:, None] == slot[None, :]
     overflow = np.zeros_like(own)
     for section in np.unique(dancer):

@@ -1,7 +1,4 @@
-"""Seating: which dancer gets which slot of a formation, and where those stand for whom there is none (T097-T100).
-
-Where dancers stand for whom a formation has no place: along the edges of the stage (T096).
-"""
+"""Assignment of dancers to formation slots, and places along the stage edges for dancers without one (T096-T100)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +14,10 @@ Float64 = npt.NDArray[np.float64]
 def clear_places(
     count: int, start: npt.ArrayLike, slots: npt.ArrayLike, *, half: tuple[float, float], gap: float = 1.0
 ) -> Float64:
-    """`count` places (count, 2) [m], `gap` from each other and from all `slots` (S, 2), for dancers at `start` (D, 2).
+    """Return `count` places (count, 2) [m], at least `gap` from each other and from all `slots` (S, 2).
 
-    The sides and the back of the stage come first, as near to the dancers as may be; if the edges are full, the next
-    row inwards. If the whole stage is full, rows go on beyond its sides.
+    The sides and the back of the stage come first, in order of distance from the dancers at `start` (D, 2). If the
+    edges are full, the next row inwards is used; if the whole stage is full, rows beyond its sides.
     """
     if count <= 0:
         return np.zeros((0, 2))
@@ -44,14 +41,14 @@ def clear_places(
 
 
 def _nearest(places: Float64, others: Float64) -> Float64:
-    """How far each of `places` (n, 2) is from the nearest of `others` (m, 2) [m], (n,)."""
+    """Return the distance of each of `places` (n, 2) to the nearest of `others` (m, 2) [m], (n,)."""
     x, z = np.ascontiguousarray(others.T)
     square = np.subtract.outer(places[:, 0], x) ** 2 + np.subtract.outer(places[:, 1], z) ** 2
     return np.asarray(np.sqrt(square.min(axis=1)))
 
 
 def _ring(ring: int, half: tuple[float, float], gap: float) -> Float64:
-    """Sides and back of the rectangle `ring` rows in from the edges; those too far in lie beyond the sides instead."""
+    """Return sides and back of the rectangle `ring` rows in from the edges, or beyond the sides if too far in."""
     inset = 0.5 + ring * gap
     width, depth = half[0] - inset, half[1] - inset
     if width < 0.0 or depth < 0.0:
@@ -72,7 +69,7 @@ CLEAR_GAP = 1.0
 def seated(
     matching: Matching, slots: Float64, marks: object, departure: Departure
 ) -> Pieces[tuple[npt.NDArray[np.int32], Float64]]:
-    """Everybody's row of the places: the slots, and after them places to stand clear for those without one."""
+    """Return each dancer's row of the places, and the places: the slots, then places for dancers without a slot."""
     count = len(departure.numbers)
     words = tuple(marks) if isinstance(marks, list | tuple) and len(marks) == len(slots) else ("",) * len(slots)
     dancer_section, slot_section = sections(departure.words, words)
@@ -101,7 +98,7 @@ def seated(
 
 
 def _seats(dancer_section: npt.NDArray[np.int32], slot_section: npt.NDArray[np.int32]) -> int:
-    """How many dancers find a slot: on those of their section, and the rest on those without a mark."""
+    """Count the dancers who get a slot: slots of their section first, then slots without a mark."""
     placed, rest = 0, 0
     for section in np.unique(dancer_section):
         members, own = int((dancer_section == section).sum()), int((slot_section == section).sum())

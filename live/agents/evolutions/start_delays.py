@@ -1,4 +1,4 @@
-"""Who starts when: together, staggered, as a ripple through the group; arriving with the measure line (T096, T147)."""
+"""Start delays of dancers: together, staggered, as a ripple, arriving on the measure line (T096, T147)."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -28,7 +28,7 @@ class Order(StrEnum):
     ID = "id"
     """By their numbers."""
     RANDOM = "random"
-    """By seeded chance."""
+    """In random order, from the seed."""
 
 
 class Arrive(StrEnum):
@@ -37,15 +37,15 @@ class Arrive(StrEnum):
     TOGETHER = "together"
     """All exactly at the end."""
     APART = "apart"
-    """Each as long after her start as the others, the last one exactly at the end."""
+    """Each as long after their start as the others, the last one exactly at the end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ripple:
-    """Starts spread over `beats` in an order; 0 beats: all together."""
+    """Starts spread over `beats` in an order; with 0 beats all start together."""
 
     beats: float = 0.0
-    """Beats from the first start to the last; at most three quarters of the time there is."""
+    """Beats from the first start to the last; at most three quarters of the available time."""
     order: Order = Order.LEFT
     arrive: Arrive = Arrive.TOGETHER
 
@@ -55,16 +55,16 @@ TOGETHER: Final = Ripple()
 
 
 def delays(ripple: Ripple, start: npt.ArrayLike, numbers: npt.ArrayLike, *, seed: int = 0) -> Float64:
-    """Beats that each dancer waits, shape (D,), from 0 to `ripple.beats`; equals start together.
+    """Return the beats that each dancer waits, shape (D,), from 0 to `ripple.beats`; equals start together.
 
-    `start` (D, 2) [m] where they stand, `numbers` (D,) their IDs, which chance is drawn from, too. Evenly spread
-    over the different values, so a grid starts row by row.
+    `start` (D, 2) [m] are their places, `numbers` (D,) their IDs, which also seed the random order. Delays are spread
+    evenly over the different values, so a grid starts row by row.
     """
     places = np.asarray(start, np.float64)
     ids = np.asarray(numbers)
     if len(places) == 0 or ripple.beats <= 0.0:
         return np.zeros(len(places))
-    key = np.round(_key(ripple.order, places, ids, seed), 3)  # what differs by less than a millimetre is one row
+    key = np.round(_key(ripple.order, places, ids, seed), 3)  # differences under a millimetre count as one row
     different, rank = np.unique(key, return_inverse=True)
     return np.asarray(ripple.beats * rank.reshape(-1) / max(len(different) - 1, 1), np.float64)
 
@@ -89,7 +89,7 @@ def _key(order: Order, places: Float64, ids: npt.NDArray[np.generic], seed: int)
 
 
 def squeezed(wait: npt.ArrayLike, time: float) -> Float64:
-    """Waits (D,), all shortened by one factor if the longest would leave less than a quarter of `time` [beats]."""
+    """Scale all waits (D,) by one factor if the longest would leave less than a quarter of `time` [beats]."""
     waits = np.maximum(np.asarray(wait, np.float64), 0.0)
     longest = float(waits.max(initial=0.0))
     return waits if longest <= 0.75 * time else waits * (0.75 * time / longest)
@@ -98,9 +98,9 @@ def squeezed(wait: npt.ArrayLike, time: float) -> Float64:
 def times(
     begin: float, end: float, waits: Float64, arrive: Arrive = Arrive.TOGETHER, longest: float | None = None
 ) -> Float64:
-    """Beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] as `squeezed` leaves them.
+    """Return the beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] of `squeezed`.
 
-    `longest` is the wait of who arrives at the very end when dancers arrive apart; the longest of `waits` if left out.
+    `longest` is the wait of the last dancer to arrive when they arrive apart; by default the longest of `waits`.
     """
     if arrive is Arrive.TOGETHER:
         arrival = np.full(len(waits), float(end))

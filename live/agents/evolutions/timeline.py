@@ -1,4 +1,4 @@
-"""The linked timeline: every dancer at every beat in exactly one segment, auxiliary ones in between (T089, Fig 4.3)."""
+"""Linked timeline: each dancer has one segment at every beat, with auxiliary ones in gaps (T089, Fig 4.3)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,19 +9,19 @@ import numpy.typing as npt
 Mask = npt.NDArray[np.bool_]
 
 AUXILIARY = -1
-"""Source of segments that nobody wrote: pauses in gaps, and junctions (of no length) where groups divide or join."""
+"""Source of generated segments: pauses in gaps, and junctions (of no length) where groups divide or join."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Span:
-    """When and for whom a segment is written."""
+    """Time span and dancers of a written segment."""
 
     begin: float
     """Beat."""
     end: float
     """Beat."""
     dancers: Mask
-    """Who, shape (A,)."""
+    """The dancers, shape (A,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,20 +31,20 @@ class Link:
     begin: float
     end: float
     dancers: Mask
-    """Who, shape (A,)."""
+    """The dancers, shape (A,)."""
     source: int
     """Index of the span it comes from, or `AUXILIARY`."""
     before: tuple[int, ...] = ()
-    """The links (their indices) it continues: one, unless it is a junction; none at the very beginning."""
+    """Indices of the links that it continues: one, or several for a junction; none at the beginning."""
     after: tuple[int, ...] = ()
     """The links that continue it."""
 
 
 def linked(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ...]:
-    """One linked sequence from beat 0 to beat `length` in which everybody has exactly one segment at a time.
+    """Return one linked sequence from beat 0 to beat `length` in which each dancer has exactly one segment at a time.
 
-    The span that begins later replaces what its dancers had, for good; of two that begin together the one written
-    later counts. A group changes only through a junction: a link of no length that holds who comes together there.
+    A span that begins later permanently replaces what its dancers had; of two that begin together the one written later
+    counts. A group changes only through a junction: a link of no length with the dancers who come together there.
     """
     pieces: dict[tuple[float, float, int], Mask] = {}
     for dancer in range(dancers):
@@ -79,7 +79,7 @@ def _first(item: tuple[tuple[float, float, int], Mask]) -> tuple[float, float, i
 
 
 def _joined(links: list[Link]) -> tuple[Link, ...]:
-    """Put junctions in, sort, and connect."""
+    """Insert junctions, sort, and connect."""
     everything = list(links)
     edges: list[tuple[Link, Link]] = []
     for beat in sorted({link.begin for link in links} - {0.0}):
@@ -107,7 +107,7 @@ def _joined(links: list[Link]) -> tuple[Link, ...]:
 
 
 def _parties(ending: list[Link], starting: list[Link]) -> list[tuple[list[Link], list[Link]]]:
-    """Which of the links that end go over into which that start: the connected parties."""
+    """Return the connected sets of ending and starting links that share dancers."""
     parties: list[tuple[list[Link], list[Link], Mask]] = []
     for link in ending:
         parties.append(([link], [], link.dancers))

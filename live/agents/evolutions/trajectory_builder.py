@@ -1,4 +1,4 @@
-"""From an intention to a locomotion: who goes where, on which way, at which time, facing where (T085, T096-T103)."""
+"""Planner from an intention to a locomotion: slots, paths, times and headings of each dancer (T085, T096-T103)."""
 
 from dataclasses import dataclass, replace
 
@@ -27,13 +27,13 @@ from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
 from live.agents.groups.roster import mirrored, mirrored_heading
 
 CHECKED = 300
-"""Groups larger than this are not checked for clearance: what they need is left to steering."""
+"""Larger groups are not checked for clearance; steering keeps them apart."""
 
 
 def travelling(
     segment: Segment, intention: Intention, repertoire: Repertoire, departure: Departure, draft: Draft
 ) -> Pieces[Journey]:
-    """Work out a segment whose intention prescribes places (all but `Procedural`), in pieces; `draft` comes first."""
+    """Plan a segment whose intention prescribes places (all but `Procedural`), in pieces; `draft` is set first."""
     if isinstance(intention, Hold):
         formation = repertoire.formation(intention.formation, len(departure.numbers))
         soon = replace(departure, end=min(departure.end, departure.begin + departure.measure_beats))
@@ -81,7 +81,7 @@ def _trajectory(
     line = np.asarray(polyline, np.float64)
     if segment.mirror is not None:
         line = mirrored(line, segment.mirror)
-    together = trajectory.follow is Follow.FILE  # on a string all have to move at the same time
+    together = trajectory.follow is Follow.FILE  # in single file all have to move at the same time
     if together:
         ways = paths.single_file(line, departure.position, gap=trajectory.gap)
         segment = replace(segment, ripple=replace(segment.ripple, beats=0.0))
@@ -100,7 +100,7 @@ def _trajectory(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Timing:
-    """Ways with their times as they are asked for, before anything is mended; no turns yet."""
+    """Paths with their times before collision repair, without turns."""
 
     locomotion: Locomotion
     waits: Float64
@@ -108,14 +108,14 @@ class _Timing:
     end: float
 
     def journey(self) -> Journey:
-        """The same as a journey that nobody has looked at."""
+        """Return the paths as a journey that has not been checked for collisions."""
         return Journey(self.locomotion, np.full(self.locomotion.count, -1, np.int32), checked=False)
 
 
 def _timing(
     segment: Segment, ways: Float32, soft: float, facing: Orientation, departure: Departure, *, closing: bool
 ) -> _Timing:
-    """When everybody is on her way. `closing`: leave time for the last turn."""
+    """Return when each dancer is under way. `closing`: leave time for the last turn."""
     begin, end = departure.begin, departure.end
     turn = turn_beats(facing, departure)
     begin, end = begin + turn, end - (turn if closing else 0.0)
@@ -126,7 +126,7 @@ def _timing(
 
 
 def _timed(segment: Segment, timing: _Timing, way: Way, departure: Departure) -> Pieces[Journey]:
-    """The way with its times, mended as far as asked; no turns yet."""
+    """Return the path with its times, repaired as far as `way` asks; no turns yet."""
     locomotion, waits = timing.locomotion, timing.waits
     if locomotion.count > CHECKED:
         return timing.journey()

@@ -1,1 +1,1 @@
-"""Scenarios are benchmarks of collision avoidance: who starts where and goes where. It may import what `agents` may."""
+"""Benchmark scenarios for collision avoidance: starts, goals, walls. It may import what `agents` may."""

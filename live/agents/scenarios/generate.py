@@ -1,4 +1,4 @@
-"""The scenarios on which avoidance engines are compared: head on, circles, crossings, a gap, corridors, formations."""
+"""The scenarios for comparing avoidance engines: head on, circles, crossings, a gap, corridors, formations."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ GOAL_RADIUS: Final = 0.3
 def dart_throwing(
     chance: np.random.Generator, count: int, spacing: float, low: tuple[float, float], high: tuple[float, float]
 ) -> Float64:
-    """Uniform places in a rectangle, none closer than `spacing` [m] to another (Poisson disk), shape (count, 2)."""
+    """Return uniform places in a rectangle, none closer than `spacing` [m] to another (Poisson disk), (count, 2)."""
     places = np.empty((0, 2))
     for _ in range(400 * count + 10000):
         if len(places) == count:
@@ -43,13 +43,13 @@ def _scenario(duration: float, start: Float64, goal: Float64, walls: Float64 | N
 
 
 def opposite(points: list[tuple[float, float]]) -> Scenario:
-    """Exactly symmetric: everybody goes to the point opposite."""
+    """Exactly symmetric: each agent goes to the opposite point."""
     start = np.array(points, float)
     return _scenario(30.0, start, -start)
 
 
 def circle(count: int, ring: float, seed: int) -> Scenario:
-    """Everybody on a circle of radius `ring` [m], started within a centimetre of her place, to its far side."""
+    """Agents on a circle of radius `ring` [m], started within a centimetre of their places, go to the far side."""
     angle = np.arange(count) * (2.0 * np.pi / count)
     exact = ring * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     jitter = np.random.default_rng(1000 + seed).uniform(-0.01, 0.01, exact.shape)
@@ -57,7 +57,7 @@ def circle(count: int, ring: float, seed: int) -> Scenario:
 
 
 def cross(half: int, spacing: float, seed: int) -> Scenario:
-    """Crossing over (T110): two groups of `half` change sides, each to her mirror image."""
+    """Crossing (T110): two groups of `half` agents change sides, each to their mirror image."""
     chance = np.random.default_rng(1000 + seed)
     left = dart_throwing(chance, half, spacing, (-7.5, -4.5), (-1.0, 4.5))
     right = dart_throwing(chance, half, spacing, (1.0, -4.5), (7.5, 4.5))
@@ -66,7 +66,7 @@ def cross(half: int, spacing: float, seed: int) -> Scenario:
 
 
 def bottleneck(count: int, seed: int) -> Scenario:
-    """Out of a room of 8 m x 8 m through a gap 1.2 m wide and 0.4 m long."""
+    """Agents leave a room of 8 m x 8 m through a gap 1.2 m wide and 0.4 m long."""
     chance = np.random.default_rng(1000 + seed)
     start = dart_throwing(chance, count, 0.65, (-3.6, -3.6), (2.6, 3.6))
     goal = np.stack([np.full(count, 9.0), chance.uniform(-3.0, 3.0, count)], axis=1)
@@ -78,7 +78,7 @@ def bottleneck(count: int, seed: int) -> Scenario:
 
 
 def formation(seed: int) -> Scenario:
-    """Fifty dancers from anywhere to a grid of 10 x 5 at 1 m, matched so that all ways together are shortest."""
+    """Fifty dancers go from random places to a grid of 10 x 5 at 1 m, assigned for the least total path length."""
     chance = np.random.default_rng(1000 + seed)
     start = dart_throwing(chance, 50, 0.9, (-6.5, -4.5), (6.5, 4.5))
     grid = np.stack(np.meshgrid(np.arange(10) - 4.5, np.arange(5) - 2.0), axis=-1).reshape(-1, 2)
@@ -87,7 +87,7 @@ def formation(seed: int) -> Scenario:
 
 
 def random_goals(count: int, seed: int) -> Scenario:
-    """Half a dancer per square metre, each to a random place, and on to another for ever."""
+    """Half a dancer per square metre, each going to random places one after another without end."""
     half_width = float(np.sqrt(count / 0.5)) / 2.0
     chance = np.random.default_rng(1000 + seed)
     start = dart_throwing(chance, count, 0.8, (-half_width, -half_width), (half_width, half_width))
@@ -96,7 +96,7 @@ def random_goals(count: int, seed: int) -> Scenario:
 
 
 def corridor(half: int, seed: int) -> Scenario:
-    """Two opposite streams of `half` in a corridor 4 m wide: from one end of its 20 m to the other, 11 m on."""
+    """Two opposite streams of `half` agents in the 20 m of a corridor 4 m wide; their goals are 11 m ahead."""
     chance = np.random.default_rng(1000 + seed)
     spacing = min(0.9, 0.6 * float(np.sqrt(50.0 / half)))
     left = dart_throwing(chance, half, spacing, (-10.0, -1.65), (-1.0, 1.65))

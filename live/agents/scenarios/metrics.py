@@ -1,4 +1,4 @@
-"""What is measured of a crowd's trajectories: arrival, overlaps, touching, and how smoothly everybody walked."""
+"""Metrics of a crowd's trajectories: arrival, overlaps, contact, smoothness."""
 
 from dataclasses import asdict, dataclass
 
@@ -9,40 +9,40 @@ from scipy.spatial import cKDTree
 from live.agents.scenarios.scenario import Float64, Scenario
 
 RATE = 60.0
-"""Trajectories are looked at this often [1/s]; accelerations and turns at half of it."""
+"""Trajectories are resampled at this rate [1/s]; accelerations and turns use half of it."""
 SETTLED = 0.2
-"""When everybody is this close to her goal [m], nothing more is measured."""
+"""Measuring stops when all agents are this close to their goals [m]."""
 OVERLAP = 0.005
-"""Bodies that go this deep into each other [m] overlap."""
+"""Bodies that penetrate each other by this much [m] overlap."""
 TOUCH = 0.02
 """Bodies closer than this [m] touch."""
 WALKING = 0.3
-"""Faster than this [m/s] a heading is known."""
+"""Minimum speed [m/s] at which a heading is defined."""
 REST_COST, WALK_COST = 2.23, 1.26
 """Power of a walker per kg: rest + walk · v² [W/kg] (Guy et al. 2010, PLEdestrians)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Metrics:
-    """Figures of one run; NaN where nothing can be said."""
+    """Metrics of one run; NaN where a value is undefined."""
 
     done: float
     """Share of the agents that arrived."""
     time_ratio: float
-    """Mean over those who arrived: time ÷ the time straight at the preferred speed."""
+    """Mean over the agents that arrived: time ÷ time straight at the preferred speed."""
     last_arrival: float
-    """When the last of those who arrived did [s]."""
+    """Arrival time of the last agent that arrived [s]."""
     overlaps: int
-    """How often two bodies began to be more than 5 mm within each other."""
+    """Number of times that two bodies began to overlap by more than 5 mm."""
     overlaps_per_agent_minute: float
     deepest: float
-    """How deep two bodies were within each other at most [m]."""
+    """Greatest penetration of two bodies [m]."""
     touching: float
-    """Seconds an agent spends closer than 2 cm to others, each of them counted."""
+    """Seconds that an agent is closer than 2 cm to others, summed over the others."""
     path_efficiency: float
-    """Straight way ÷ way walked."""
+    """Straight distance ÷ distance walked."""
     energy: float
-    """Effort ÷ the least effort for the straight way."""
+    """Effort ÷ least effort for the straight path."""
     acceleration: float
     """Root mean square while walking [m/s²]."""
     jerk: float
@@ -50,10 +50,10 @@ class Metrics:
     turn_mean: float
     """Change of heading while walking [degrees/s]."""
     turn_p99: float
-    """... which one of a hundred samples exceeds [degrees/s]."""
+    """99th percentile of the same [degrees/s]."""
 
     def as_json(self) -> dict[str, float | int | None]:
-        """The figures by name; null for what is not known."""
+        """Return the metrics by name; null for undefined values."""
         return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
@@ -99,7 +99,7 @@ def _mean(values: Float64) -> float:
 
 
 def _resample(time: Float64, position: Float64) -> Float64:
-    """Positions at 60 Hz, linear between the samples."""
+    """Return positions at 60 Hz, linear between the samples."""
     ticks = np.arange(int(np.floor(time[-1] * RATE + 1e-6)) + 1) / RATE
     right = np.clip(np.searchsorted(time, ticks, side="right"), 1, len(time) - 1) if len(time) > 1 else ticks * 0
     right = right.astype(np.int64)
@@ -110,7 +110,7 @@ def _resample(time: Float64, position: Float64) -> Float64:
 
 
 def _closeness(frames: Float64, radius: float) -> tuple[int, float, float]:
-    """How many overlaps began, how deep the deepest was [m], and for how long pairs touched in all [s]."""
+    """Return the number of overlaps, the greatest penetration [m], and the total contact time of all pairs [s]."""
     began, deepest, touching = 0, 0.0, 0
     before: npt.NDArray[np.int64] = np.empty(0, np.int64)
     for frame in frames:
@@ -128,7 +128,7 @@ def _closeness(frames: Float64, radius: float) -> tuple[int, float, float]:
 
 
 def _effort(frames: Float64, end: npt.NDArray[np.int64]) -> tuple[Float64, Float64]:
-    """Length walked [m] and energy [J/kg] of each agent until her frame `end`, shapes (A,)."""
+    """Return the length walked [m] and energy [J/kg] of each agent until their frame `end`, shapes (A,)."""
     step = np.linalg.norm(np.diff(frames, axis=0), axis=2)
     walked = np.arange(1, len(frames))[:, None] <= end
     energy = (REST_COST + WALK_COST * (step * RATE) ** 2) / RATE
@@ -136,7 +136,7 @@ def _effort(frames: Float64, end: npt.NDArray[np.int64]) -> tuple[Float64, Float
 
 
 def _smoothness(frames: Float64, end: npt.NDArray[np.int64]) -> tuple[float, float, Float64]:
-    """Rms acceleration and jerk, and all turn rates [degrees/s], from positions at 30 Hz until frame `end` (A,)."""
+    """Return rms acceleration and jerk, and all turn rates [degrees/s], from 30 Hz positions until frame `end` (A,)."""
     rate = RATE / 2.0
     velocity = np.diff(frames, axis=0) * rate
     acceleration = np.diff(velocity, axis=0) * rate
@@ -150,7 +150,7 @@ def _smoothness(frames: Float64, end: npt.NDArray[np.int64]) -> tuple[float, flo
 
 
 def _until(end: npt.NDArray[np.int64], order: int, rows: int) -> npt.NDArray[np.bool_]:
-    """Which rows of `order`-th differences use frames up to `end` (A,) only, shape (rows, A)."""
+    """Return which rows of `order`-th differences use frames up to `end` (A,) only, shape (rows, A)."""
     mask: npt.NDArray[np.bool_] = np.arange(rows)[:, None] + order <= end
     return mask
 

@@ -1,4 +1,4 @@
-"""Scenarios in JSON: every number checked, every error names its field and what to do about it."""
+"""Reader for scenarios in JSON: checks every number; every error names the field and the remedy."""
 
 import json
 import math
@@ -22,12 +22,12 @@ NUMBERS: Final = {
     "max_speed": (0.01, 20.0),
     "goal_radius": (0.001, 100.0),
 }
-"""Least and greatest value of each number, in metres and seconds."""
+"""Minimum and maximum of each number, in metres and seconds."""
 KNOWN: Final = (*NUMBERS, "stage", "agents", "walls")
 
 
 def read_scenario(text: str | bytes, source: str = "the scenario") -> Scenario:
-    """The scenario that `text` (JSON) describes; PersonError, naming `source` and field, where it is none."""
+    """Parse a scenario from `text` (JSON). Raises PersonError, naming `source` and field, if it is invalid."""
     if len(text) > MOST_BYTES:
         raise PersonError(f"{source}: {len(text):,} bytes", f"a scenario has at most {MOST_BYTES:,}")
     try:
@@ -40,12 +40,12 @@ def read_scenario(text: str | bytes, source: str = "the scenario") -> Scenario:
 
 
 def unread_fields(text: str | bytes) -> list[str]:
-    """Names at the top of a readable scenario that mean nothing there."""
+    """Return the unknown top-level names of a readable scenario."""
     return [str(name)[:40] for name in json.loads(text) if name not in KNOWN]
 
 
 def _shown(value: object) -> str:
-    """A value as a person may recognise it, in a few characters."""
+    """Return a short, recognizable form of a value for messages."""
     try:
         text = json.dumps(value)
     except (ValueError, RecursionError):
@@ -54,7 +54,7 @@ def _shown(value: object) -> str:
 
 
 class _Reader:
-    """Reads the parts; `source` begins every message."""
+    """Parser of the parts; `source` begins every message."""
 
     def __init__(self, source: str) -> None:
         self._source = source

@@ -1,4 +1,4 @@
-"""A scenario danced by nobody: our crowd on it, tick by tick."""
+"""Simulation of a scenario, tick by tick, without a show."""
 
 import numpy as np
 
@@ -11,15 +11,15 @@ from live.agents.scenarios.scenario import Float64, Scenario
 
 TICK = 1.0 / 64.0
 APPROACH = 1.0
-"""Speed per metre to go [1/s] when everybody slows down for her last goal."""
+"""Speed per metre of remaining distance [1/s] when agents slow down for their last goal."""
 THRONG = 0.3
-"""Bodies with less than this [m] between them stand in one throng: in it, who is at her goal gives way."""
+"""Bodies with less than this [m] between them form a throng; in it, agents at their goals give way."""
 LOOK = 8
-"""Ticks after which everybody looks again who is waiting."""
+"""Ticks between two updates of which agents give way."""
 
 
 class Simulation:
-    """One run of a scenario; the same ticks come out however they are asked for."""
+    """One run of a scenario; the ticks do not depend on how they are requested."""
 
     def __init__(self, scenario: Scenario, *, avoidance: Avoidance = "predictive", seed: int = 0) -> None:
         self._scenario = scenario
@@ -59,12 +59,12 @@ class Simulation:
 
     @property
     def position(self) -> Float64:
-        """Where everybody is [m], shape (A, 2)."""
+        """Positions of all agents [m], shape (A, 2)."""
         return self._state.position.astype(np.float64) + self._middle
 
     @property
     def arrived(self) -> Float64:
-        """When everybody first was within goal_radius of her last goal [s], NaN if not yet, shape (A,)."""
+        """Time at which each agent was first within goal_radius of their last goal [s], NaN if not yet, shape (A,)."""
         return self._arrived.copy()
 
     def tick(self) -> None:
@@ -101,16 +101,16 @@ class Simulation:
 
 
 def ticks_in(duration: float) -> int:
-    """How many ticks reach `duration` [s]."""
+    """Return the number of ticks that reach `duration` [s]."""
     return int(np.ceil(duration / TICK - 1e-9))
 
 
 def simulate(
     scenario: Scenario, *, avoidance: Avoidance = "predictive", seed: int = 0, stop_when_settled: bool = False
 ) -> tuple[Float64, Float64, Float64]:
-    """Run all of it: time (T,) [s], position (T, A, 2) [m] with the start, arrival times (A,) [s], NaN if never.
+    """Run a scenario: time (T,) [s], position (T, A, 2) [m] with the start, arrival times (A,) [s], NaN if never.
 
-    With `stop_when_settled` the run ends when everybody is within 0.2 m of her last goal, if that is earlier.
+    With `stop_when_settled` the run ends early when all agents are within 0.2 m of their last goals.
     """
     run = Simulation(scenario, avoidance=avoidance, seed=seed)
     ticks = ticks_in(scenario.duration)

@@ -1,7 +1,4 @@
-"""Scenario: who starts where and wants to go where, between which walls, for how long.
-
-Rules that change goals while a scenario runs: through a gap, and on to a new place for ever.
-"""
+"""Scenario: starts and goals of agents, walls, duration, and rules that change goals during a run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -12,7 +9,7 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 
 Rule = Callable[[Float64, Float64], None]
-"""Called before each tick with the positions (A, 2) [m] and the targets (A, 2) [m], which it may change in place."""
+"""Called before each tick with positions (A, 2) [m] and targets (A, 2) [m]; it may change the targets in place."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,30 +17,30 @@ class Scenario:
     """A agents with radii and goals; metres, seconds; points are (x, z)."""
 
     duration: float
-    """How long it runs [s]."""
+    """Duration of the run [s]."""
     radius: float
-    """Body radius of everybody [m]."""
+    """Body radius of all agents [m]."""
     preferred_speed: float
-    """Speed at which everybody walks when nothing is in the way [m/s]."""
+    """Speed at which agents walk without obstruction [m/s]."""
     max_speed: float
-    """Speed nobody exceeds [m/s]."""
+    """Maximum speed [m/s]."""
     goal_radius: float
-    """Who has been within this distance of her last goal has arrived [m]."""
+    """An agent that has been within this distance of their last goal has arrived [m]."""
     start: Float64
-    """Where everybody stands at time 0, at rest [m], shape (A, 2)."""
+    """Positions at time 0, at rest [m], shape (A, 2)."""
     goals: tuple[Float64, ...]
     """For each agent the points to go to in order [m], shapes (K, 2), K >= 1."""
     stage: tuple[float, float, float, float] | None = None
-    """The rectangle x0, z0, x1, z1 [m] that nobody leaves; None: the plane."""
+    """The rectangle x0, z0, x1, z1 [m] that confines the agents; None: the plane."""
     walls: Float64 = field(default_factory=lambda: np.zeros((0, 4)))
-    """Segments x1, z1, x2, z2 [m] that nobody crosses, shape (W, 4)."""
+    """Wall segments x1, z1, x2, z2 [m], shape (W, 4)."""
     rule: Callable[[], Rule] | None = None
-    """Makes what changes the targets while it runs, afresh for each run; None: the goals are fixed."""
+    """Makes, for each run, the rule that changes targets; None: the goals are fixed."""
     endless: bool = False
-    """Goals are redrawn for ever: nobody arrives."""
+    """Whether goals are redrawn without end, so that no agent arrives."""
 
     def lasting(self, duration: float) -> "Scenario":
-        """The same scenario for `duration` [s]."""
+        """Return the same scenario with `duration` [s]."""
         return replace(self, duration=duration)
 
     @property
@@ -53,18 +50,18 @@ class Scenario:
 
     @property
     def last_goal(self) -> Float64:
-        """Where everybody will stay [m], shape (A, 2)."""
+        """Final goals [m], shape (A, 2)."""
         return np.array([way[-1] for way in self.goals]).reshape(-1, 2)
 
     @property
     def straight(self) -> Float64:
-        """Length of the way from the start through all goals [m], shape (A,)."""
+        """Length of the path from the start through all goals [m], shape (A,)."""
         ways = (np.vstack([start, way]) for start, way in zip(self.start, self.goals, strict=True))
         return np.array([np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]).reshape(-1)
 
 
 def through_gap(goal: Float64) -> Callable[[], Rule]:
-    """Out of a room through a gap about (4, 0) to (4.4, 0), then to `goal` (A, 2) [m].
+    """Return a rule that leads out of a room through a gap about (4, 0) to (4.4, 0), then to `goal` (A, 2) [m].
 
     x < 3.6: aim at (3.8, z within ±0.3); 3.6 <= x < 4.45: at (4.6, z within ±0.3); else at the goal.
     """
@@ -80,9 +77,9 @@ def through_gap(goal: Float64) -> Callable[[], Rule]:
 
 
 def ever_on(seed: int, half_width: float, reach: float = 0.3) -> Callable[[], Rule]:
-    """A new goal, uniform in the square of ±`half_width` [m], for whoever is within `reach` [m] of hers.
+    """Return a rule that gives a new goal, uniform in ±`half_width` [m], to each agent within `reach` [m] of theirs.
 
-    Each agent draws from a stream of her own, so that her goals depend on nobody else's arrival.
+    Each agent has its own random stream, so its goals do not depend on the arrival of others.
     """
 
     def make() -> Rule:

@@ -1,7 +1,4 @@
-"""Meetings ahead: of all dancers at once, from where they are now and where their clips take them.
-
-How much room ways out of a collision lack to all who are near, in one pass.
-"""
+"""Kernels that predict collisions of all dancers from their positions and clips, and rate escape paths."""
 
 import math
 
@@ -16,14 +13,14 @@ Int64 = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
 NEAR = 2.5
-"""Who is farther than this [m] cannot be met within the time looked ahead."""
+"""Dancers farther away than this [m] cannot be met within the look-ahead time."""
 
 
 @kernel("f8(f8[:,:,::1], i8, f8[:,:,::1], i8, f8, i8)")
 def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: float, last: int) -> float:
-    """The first of the moments 1 to `last` at which two are nearer than `gap` [m] and have come nearer; -1 if none is.
+    """Return the first moment of 1 to `last` at which two are nearer than `gap` [m] and still approaching; -1 if none.
 
-    `ways` and `others` (K, A, 2) [m]: where everybody is at each moment, the first one now.
+    `ways` and `others` (K, A, 2) [m]: positions at each moment, the first one now.
     """
     x, z = ways[0, one, 0] - others[0, other, 0], ways[0, one, 1] - others[0, other, 1]
     nearest = math.sqrt(x * x + z * z)
@@ -38,7 +35,7 @@ def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: flo
 
 @kernel("f8(f8[:,:,::1], i8, f8, f8)")
 def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
-    """How far `one` comes until the first moment in the direction (x, z) [m]."""
+    """Return how far `one` moves until the first moment in the direction (x, z) [m]."""
     size = max(math.sqrt(x * x + z * z), 1e-9)
     way: float = ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
     return way
@@ -49,13 +46,12 @@ def find_threatened(
     ways: Float64, radius: Float32, yields: Float32, here: Bool, order: Int64,
     things: Float64, thing_radius: Float32, thing_count: int, slack: float, out: Float64,
 ) -> None:  # fmt: skip
-    """Who must leave her way: the moment at which she would be met, into `out` (A,); 0 for all others.
+    """Find the dancers who must evade: the moment of collision into `out` (A,); 0 for all others.
 
-    `ways` (K, A, 2) [m] as in first_meeting; `radius` (A,) [m]; `yields` (A,) 0 for those who have the right of way;
-    `here` (A,) who is on the stage; `order` (A,) dancers by their x now; `things` (K, M, 2) [m] and `thing_radius`
-    (M,): the first `thing_count` of what stands or moves there besides. Two meet when they are `slack` [m] nearer than
-    their radii: dancers at the first moment, things at any. Of two dancers the one leaves who comes farther towards
-    the other.
+    `ways` (K, A, 2) [m] as in first_meeting; `radius` (A,) [m]; `yields` (A,) 0 for dancers with the right of way;
+    `here` (A,): on the stage; `order` (A,): dancers by their current x; `things` (K, M, 2) [m] and `thing_radius`
+    (M,): the first `thing_count` other objects. Two meet when they are `slack` [m] nearer than the sum of their radii:
+    dancers at the first moment, things at any. Of two dancers, the one who moves farther towards the other evades.
     """
     out[:] = 0.0
     for a in range(order.shape[0]):
@@ -86,9 +82,9 @@ def find_threatened(
 
 @kernel("void(f8[::1], f8[:,:,::1], f8[:,:,::1], f8)")
 def find_lacks(out: Float64, ways: Float64, others: Float64, margin: float) -> None:
-    """What each of `ways` (W, C, 2) lacks of `margin` to the `others` (M, W, 3), x, z, nearest distance [m].
+    """Compute how much `ways` (W, C, 2) lack of `margin` to the `others` (M, W, 3), x, z, nearest distance [m].
 
-    At the worst of its W moments and on the average of them, added: `out` (C,).
+    The result `out` (C,) is the worst of the W moments plus their mean.
     """
     moments = ways.shape[0]
     for c in range(ways.shape[1]):

@@ -1,4 +1,4 @@
-"""Kernels of clearing: nobody is carried, or pushed, into a wall or an obstacle."""
+"""Kernels that keep corrected paths and moves out of walls and obstacles."""
 
 import math
 
@@ -13,11 +13,11 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
 LEAST_SHARE = 0.08
-"""A correction of which less than this has come in by then changes nothing."""
+"""A correction with a smaller share applied by then has no effect."""
 AT_ONCE = 0.8
-"""Share of what lacks that one round makes good: others want something of the same dancer."""
+"""Share of the missing distance that one round corrects: other constraints act on the same dancer."""
 FARTHEST = 1.0
-"""Nobody who is so far in [m], a thing was put upon her, is led out of it in one measure."""
+"""A dancer deeper inside an object than this [m] (it was placed on them) is not led out within one measure."""
 
 
 @kernel("b1(f4[:,:,::1], i8, i8, f8, f4[:,::1], i8, f4[:,::1], i8)")
@@ -31,8 +31,7 @@ def near_things(
     obstacles: Float32,
     obstacle_count: int,
 ) -> bool:
-    """Whether anything is within `reach` [m] of the box around a dancer's path from moment `first` on: most are far
-    from everything."""
+    """Whether anything is within `reach` [m] of the box around a dancer's path from moment `first` on; rejects most."""
     low_x = high_x = path[n, first, 0]
     low_z = high_z = path[n, first, 1]
     for m in range(first + 1, path.shape[1]):
@@ -70,11 +69,10 @@ def clear_paths(
     obstacles: Float32,
     obstacle_count: int,
 ) -> None:
-    """One round: change the corrections' `goal` (A, 2) [m] so that paths stay out of walls (64, 4) and obstacles
-    (64, 5) from moment `first` on.
+    """Do one round: change the corrections' `goal` (A, 2) [m] so that paths avoid walls (64, 4) and obstacles (64, 5).
 
-    As in `part_paths`: `path` (A, M, 2), `share` (A, M), `aimed` (A, 3), `radius` (A,), `yields` (A,) below 0 who is
-    not there, `most` (A,) [m]. The moment at which a path is farthest inside counts.
+    Moments from `first` on count. As in `part_paths`: `path` (A, M, 2), `share` (A, M), `aimed` (A, 3), `radius` (A,),
+    `yields` (A,) below 0 for absent dancers, `most` (A,) [m]. The moment at which a path is farthest inside counts.
     """
     for n in range(path.shape[0]):
         reach = radius[n] + max(most[n], math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1]))
@@ -90,7 +88,7 @@ def clear_paths(
                 x, z, old_x, old_z, float(radius[n]), walls, wall_count, obstacles, obstacle_count
             )
             lack = math.sqrt((out_x - x) * (out_x - x) + (out_z - z) * (out_z - z))
-            if lack < 1e-4:  # she is on this side of everything
+            if lack < 1e-4:  # clear of everything in this direction
                 old_x, old_z = x, z
             elif w > LEAST_SHARE and worst < lack < FARTHEST:
                 worst, x_more, z_more, weight = lack, out_x - x, out_z - z, w
@@ -108,8 +106,10 @@ def clear_moves(
     obstacles: Float32,
     obstacle_count: int,
 ) -> None:
-    """Take back of this tick's moves (A, 2) [m] of those who are at `now` (A, 2) [m] what would lead into a wall or an
-    obstacle: never more than the move, so that nobody jumps whom a step has led in."""
+    """Remove from this tick's moves (A, 2) [m] the part that leads from `now` (A, 2) [m] into a wall or an obstacle.
+
+    It removes at most the move itself, so that a dancer whose step has led into an object does not jump.
+    """
     for n in range(now.shape[0]):
         size = math.sqrt(moved[n, 0] * moved[n, 0] + moved[n, 1] * moved[n, 1])
         if size < 1e-9:

@@ -1,7 +1,4 @@
-"""Parting: the ends of the dancers' next measures must not fall onto one spot.
-
-Paths: where dancers will be at some moments of a measure, and corrections that keep them apart on the way.
-"""
+"""Separation of the dancers' paths through a measure, and of the places where the measures end."""
 
 from typing import Final
 
@@ -17,12 +14,12 @@ Float32 = npt.NDArray[np.float32]
 
 
 class Parting:
-    """Keeps places apart from each other: the ends of the dancers' next measures must not fall onto one spot."""
+    """Keeps places apart, so that the next measures of two dancers do not end on one spot."""
 
     ROUNDS = 6
 
     def __init__(self, count: int, gap: float, *, half_width: float, half_depth: float, seed: int) -> None:
-        """`gap` [m]: how far apart two of `count` dancers shall be; half the stage's sizes [m]."""
+        """`gap` [m]: minimum distance of two of `count` dancers; half the stage's sizes [m]."""
         self._gap, self._seed = gap, seed
         self._half_width, self._half_depth = half_width, half_depth
         cells = cell_count(2.0 * half_width, NEIGHBOUR_RANGE) * cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
@@ -30,7 +27,7 @@ class Parting:
         self._order = np.zeros(count, np.int32)
 
     def __call__(self, position: Float32, anchor: Float32, most: float) -> None:
-        """Move `position` (A, 2) apart in place, nobody farther than `most` [m] from its `anchor` (A, 2)."""
+        """Move `position` (A, 2) apart in place, each at most `most` [m] from its `anchor` (A, 2)."""
         part_positions(
             position,
             anchor,
@@ -48,27 +45,27 @@ class Parting:
 Float64 = npt.NDArray[np.float64]
 
 MOMENTS: Final = 17
-"""Moments of a measure at which paths are known, the first at its beginning, the last at its end."""
+"""Moments of a measure at which paths are sampled, the first at its beginning, the last at its end."""
 MARGIN: Final = 0.1
-"""Bodies shall be apart by this [m] on their ways: the pictures between two moments, and blends, need it."""
+"""Minimum gap between bodies on their paths [m]; covers frames between two moments and blends."""
 
 
 class Paths:
-    """The paths of A dancers through one measure, without their corrections."""
+    """The uncorrected paths of A dancers through one measure."""
 
     def __init__(self, count: int) -> None:
         self.path: Float32 = np.zeros((count, MOMENTS, 2), np.float32)
         """Hips [m], shape (A, MOMENTS, 2)."""
         self.share: Float32 = np.zeros((count, MOMENTS), np.float32)
-        """How much of a correction is in by then, shape (A, MOMENTS)."""
+        """Share of a correction applied at each moment, shape (A, MOMENTS)."""
 
     def walk(self, place: float, goal: Float64, aimed: Float64, out: Float32) -> None:
-        """Where everybody is, (A, 2) [m], when `place` (0 to 1) of the measure has passed; see `walk_paths`."""
+        """Write all places (A, 2) [m] after the share `place` (0 to 1) of the measure; see `walk_paths`."""
         walk_paths(self.path, self.share, goal, aimed, place * (MOMENTS - 1), out)
 
 
 class PathParting:
-    """Keeps A dancers apart on their ways through a measure."""
+    """Keeps A dancers apart on their paths through a measure."""
 
     def __init__(
         self,
@@ -81,9 +78,11 @@ class PathParting:
         seed: int,
         surroundings: Surroundings | None = None,
     ) -> None:
-        """`radius` (A,) [m] of bodies, `responsibility` (A,) 0 for whom others give way to; `gap_at_end` [m]: how far
-        apart two dancers of usual size shall end a measure; half the stage's sizes [m]; into `surroundings` nobody is
-        carried."""
+        """`radius` (A,) [m] of bodies, `responsibility` (A,): 0 for dancers to whom others give way.
+
+        `gap_at_end` [m]: minimum distance of two dancers of usual size at the end of a measure; half the stage's sizes
+        [m]; `surroundings`: walls and obstacles that corrections must avoid.
+        """
         count = len(radius)
         self._radius, self._responsibility = radius, responsibility
         self._margin_at_end = max(gap_at_end - 2.0 * float(np.median(radius)), MARGIN)
@@ -95,15 +94,17 @@ class PathParting:
         self._yields = responsibility.copy()
         self._speed, self._moved = np.zeros((count, 2)), np.zeros((count, 2))
         self.lack: Float32 = np.full(count, -1.0, np.float32)
-        """How much each dancer lacked at most [m] in the last round of `part`; below 0 nothing, shape (A,)."""
+        """Largest missing distance of each dancer [m] in the last round of `part`; below 0: none, shape (A,)."""
 
     def there(self, state: npt.NDArray[np.int8], there: int) -> None:
-        """Only those dancers whose `state` (A,) is `there` can be in the way."""
+        """Restrict separation to the dancers whose `state` (A,) is `there`."""
         leave_out(self._yields, self._responsibility, state, there)
 
     def part(self, paths: Paths, goal: Float64, aimed: Float64, most: Float64, *, place: float = 0.0) -> None:
-        """One round: change `goal` (A, 2) [m], nobody's beyond `most` (A,) [m], so that the paths stay apart from
-        `place` (0 to 1) of the measure on."""
+        """Do one round: change `goal` (A, 2) [m], each by at most `most` (A,) [m], to separate the paths.
+
+        Only the part of the measure from `place` (0 to 1) on counts.
+        """
         first = min(int(place * (MOMENTS - 1)), MOMENTS - 2)
         part_paths(
             paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, MARGIN,
@@ -117,9 +118,9 @@ class PathParting:
             )  # fmt: skip
 
     def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
-        """The last resort: this tick's moves (A, 2) [m] of those who touch or will at once, None if nobody moves.
+        """Return this tick's emergency moves (A, 2) [m] of dancers who touch or soon will, None if there are none.
 
-        They are `now` (A, 2) and will `soon` be there, (A, 2) or at several moments (K, A, 2) [m]; see `push_apart`.
+        `now` (A, 2) and `soon`, (A, 2) or at several moments (K, A, 2) [m], are their places; see `push_apart`.
         """
         pushed = push_apart(
             now, soon.reshape(-1, *now.shape), self._radius, self._yields, margin, stiffness, dt, *self._stage,

@@ -1,4 +1,4 @@
-"""Kernels of parting paths: pairs who would touch on their ways through a measure, and who touch now."""
+"""Kernels of path separation: pairs who would touch on their paths through a measure, and pairs who touch now."""
 
 import math
 
@@ -16,32 +16,32 @@ Int8 = npt.NDArray[np.int8]
 Int32 = npt.NDArray[np.int32]
 
 LEAST_SHARE = 0.08
-"""A correction of which less than this has come in by then changes nothing."""
+"""A correction with a smaller share applied by then has no effect."""
 FARTHEST = 1.6
-"""Nobody comes nearer to another by more than this [m] soon."""
+"""Maximum short-term approach of two dancers [m]."""
 AT_ONCE = 0.7
-"""Share of what two lack that one round makes good: several pairs want something of the same dancer."""
+"""Share of the missing distance that one round corrects: several pairs may act on the same dancer."""
 
 
 @kernel("void(f4[::1], f4[::1], i1[::1], i8)")
 def leave_out(yields: Float32, responsibility: Float32, state: Int8, there: int) -> None:
-    """Write `yields` (A,): the `responsibility` (A,) of those whose `state` (A,) is `there`, -1 for all others."""
+    """Write `yields` (A,): `responsibility` (A,) of the dancers whose `state` (A,) is `there`, -1 for all others."""
     for n in range(yields.shape[0]):
         yields[n] = responsibility[n] if state[n] == there else np.float32(-1.0)
 
 
 @kernel("f8(f4, f8)")
 def weight_of(share: float, begun: float) -> float:
-    """How much a change of the correction, made when the share `begun` was in, moves who has `share` of it in."""
+    """Return the effect at applied share `share` of a correction change made when the share `begun` was applied."""
     return max(share - begun, 0.0) / max(1.0 - begun, 1e-9)
 
 
 @kernel("void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,::1])")
 def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, place: float, out: Float32) -> None:
-    """Where A dancers are at `place` of their paths' M moments (a fraction of an index), `out` (A, 2) [m].
+    """Write where A dancers are at `place` of their paths' M moments (a fractional index) into `out` (A, 2) [m].
 
-    `path` (A, M, 2) without the corrections, of which `share` (A, M) is in; `goal` (A, 2) is what they lead to, and
-    `aimed` (A, 3) as in `Danced`.
+    `path` (A, M, 2) is without corrections, of which `share` (A, M) is applied; `goal` (A, 2) is their target, and
+    `aimed` (A, 3) is as in `Danced`.
     """
     last = path.shape[1] - 1
     k = min(max(math.floor(place), 0), last - 1)
@@ -55,7 +55,7 @@ def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, pla
 
 @kernel("UniTuple(f8,2)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f8)")
 def place_on(path: Float32, share: Float32, goal: Float64, aimed: Float64, n: int, place: float) -> tuple[float, float]:
-    """Where dancer `n` is [m] at `place` of her path, arrays as in `walk_paths`; before it she comes straight."""
+    """Return the place of dancer `n` [m] at `place` of their path, arrays as in `walk_paths`; straight before it."""
     k = min(max(math.floor(place), 0), path.shape[1] - 2)
     t = min(place - k, 1.0)
     w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
@@ -73,11 +73,11 @@ def walk_on(
     later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, goes_on: bool, window: float,
     fractions: Float64, now: Float32, out: Float32,
 ) -> None:  # fmt: skip
-    """Where A dancers who are `now` (A, 2) [m] get, `out` (K, A, 2) [m], by what their paths lead them.
+    """Write where A dancers at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
 
-    The paths, arrays as in `walk_paths`, are those of this measure and, if it is known how the dance `goes_on`, of the
-    later one, into which the last `window` of this one is blended. `fractions` (K + 1,) of this measure have passed now
-    and then; above 1 she is in the later one, or still at the end of this one.
+    The paths, arrays as in `walk_paths`, are those of this measure and, if `goes_on`, of the next one, into which the
+    last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now; above 1
+    the dancer is in the next measure, or at the end of this one.
     """
     last = path.shape[1] - 1
     for m in range(fractions.shape[0]):
@@ -88,7 +88,7 @@ def walk_on(
             if into > 0.0:
                 to_x, to_z = place_on(later_path, later_share, later_goal, later_aimed, n, (f - 1.0) * last)
                 x, z = x + into * (to_x - x), z + into * (to_z - z)
-            # until it is filled itself, the last row holds where the paths have her now
+            # until it is filled itself, the last row holds the current places on the paths
             if m == 0:
                 out[fractions.shape[0] - 2, n, 0], out[fractions.shape[0] - 2, n, 1] = x, z
                 continue
@@ -98,7 +98,7 @@ def walk_on(
 
 @kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
 def span_paths(path: Float32, first: int, middle: Float32, extent: Float32) -> None:
-    """Middle (A, 2) and half size (A,) [m] of the box around the paths (A, M, 2) from moment `first` on."""
+    """Compute centre (A, 2) and half size (A,) [m] of the box around the paths (A, M, 2) from moment `first` on."""
     for n in range(path.shape[0]):
         low_x = high_x = path[n, first, 0]
         low_z = high_z = path[n, first, 1]
@@ -124,8 +124,11 @@ def nearest_of(
     gap_at_end: float,
     seed: int,
 ) -> tuple[float, float, float, float, float]:
-    """Where two dancers lack most of the `gap` [m] between them: what they lack [m] (below 0: nothing), the direction
-    from i to j there, and how much a change of their corrections moves each of them. At the end the gap is wider."""
+    """Find where two dancers lack most of the `gap` [m] between them; at the end of the measure the gap is wider.
+
+    Returns the missing distance [m] (below 0: none), the direction from i to j there, and how much a change of their
+    corrections moves each of them.
+    """
     worst, nx, nz, wi, wj = -1e9, 0.0, 0.0, 0.0, 0.0
     bx, bz, before_i, before_j = 0.0, 0.0, 0.0, 0.0
     for m in range(first, path.shape[1]):
@@ -135,7 +138,7 @@ def nearest_of(
         z = path[j, m, 1] + aimed[j, 1] + uj * (goal[j, 1] - aimed[j, 1])
         z -= path[i, m, 1] + aimed[i, 1] + ui * (goal[i, 1] - aimed[i, 1])
         cx, cz, t = x, z, 1.0
-        if m > first:  # the nearest point of the straight way since the moment before
+        if m > first:  # the nearest point of the straight segment since the moment before
             dx, dz = x - bx, z - bz
             size = dx * dx + dz * dz
             if size > 1e-12:
@@ -161,7 +164,7 @@ def nearest_of(
 
 @kernel("void(f8[:,::1], i8, f8, f8, f8)")
 def lead_goal(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
-    """Change one goal by (dx, dz) [m]; it gets no longer than `most` [m], nor longer than it was if it was longer."""
+    """Change one goal by (dx, dz) [m]; its length stays within `most` [m], or its old length if larger."""
     before = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
     goal[n, 0] += dx
     goal[n, 1] += dz
@@ -195,12 +198,12 @@ def part_paths(
     order: Int32,
     lack: Float32,
 ) -> None:
-    """One round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
+    """Do one round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
 
-    `path`, `share`, `aimed` as in `walk_paths`; `radius` (A,) [m] of the bodies, between which there shall be
-    `margin` [m] and at the end `margin_at_end`; `yields` (A,): 1 who gives way, 0 to whom others do, below 0 who is not
-    there; `most` (A,) [m]: how long a correction may become. `lack` (A,) says how much each dancer lacks at most [m]
-    before this round; `middle`, `extent`, `cell_start` and `order` are room to work in.
+    `path`, `share`, `aimed` as in `walk_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and at the end
+    `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `most` (A,) [m]: maximum
+    length of a correction. `lack` (A,) receives the largest missing distance [m] of each dancer before this round; `middle`,
+    `extent`, `cell_start` and `order` are scratch.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     span_paths(path, first, middle, extent)
@@ -238,9 +241,9 @@ def part_paths(
 
 @kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")
 def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> bool:
-    """Make of what is needed, `moved` (A, 2) [m], the move of this tick: critically damped springs from rest.
+    """Turn the required displacement `moved` (A, 2) [m] into this tick's move: critically damped springs from rest.
 
-    Returns whether anybody is moved.
+    Returns whether any dancer is moved.
     """
     fall, any_moved = math.exp(-stiffness * dt), False
     for n in range(moved.shape[0]):
@@ -258,8 +261,11 @@ def _follow(moved: Float64, speed: Float64, stiffness: float, dt: float) -> bool
 
 @kernel("void(f4[:,::1], f8[:,::1], f8[:,::1], i8, i8, f8, f8)")
 def _slow_down(now: Float32, moved: Float64, speed: Float64, i: int, j: int, bodies: float, margin: float) -> None:
-    """Two who are nearer to each other than their `bodies` and the `margin` [m] are `moved`, at `speed` (A, 2) both,
-    the less towards each other the nearer they are: where a third pushes one of them, whom she would touch counts."""
+    """Slow two dancers nearer than their `bodies` and the `margin` [m] in moving towards each other.
+
+    The nearer they are, the less of `moved` and `speed` (A, 2) towards each other remains. This includes moves caused
+    by a third dancer who pushes one of them.
+    """
     nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
     size = math.sqrt(nx * nx + nz * nz)
     if size >= bodies + margin or size < 1e-4:
@@ -268,8 +274,8 @@ def _slow_down(now: Float32, moved: Float64, speed: Float64, i: int, j: int, bod
     for way in (moved, speed):
         own, other = way[i, 0] * nx + way[i, 1] * nz, way[j, 0] * nx + way[j, 1] * nz
         if own <= other:
-            continue  # they part
-        # what each of them adds to it is slowed down
+            continue  # they separate
+        # each dancer's contribution to the approach is slowed down
         close = stop * (own - other) / max(max(own, 0.0) + max(-other, 0.0), 1e-12)
         off, on = close * max(own, 0.0), close * max(-other, 0.0)
         way[i, 0] -= off * nx
@@ -283,7 +289,7 @@ def slow_down_near(
     now: Float32, radius: Float32, yields: Float32, margin: float, half_width: float, half_depth: float,
     cell_start: Int32, order: Int32, speed: Float64, moved: Float64,
 ) -> None:  # fmt: skip
-    """After `push_apart`, whose arrays these are: nobody is `moved` into another because a third pushes her."""
+    """After `push_apart` (same arrays): prevent that a dancer pushed by one neighbour is `moved` into another."""
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     for i in range(now.shape[0]):
         if yields[i] < 0.0:
@@ -299,15 +305,17 @@ def slow_down_near(
 
 @kernel("f8(f4[:,::1], f4[:,:,::1], i8, i8, f8, f8, f8)")
 def lack_of(now: Float32, soon: Float32, i: int, j: int, gap: float, nx: float, nz: float) -> float:
-    """What two who are `now` (A, 2) [m] will lack most of their `gap` [m] on straight ways through `soon` (K, A, 2),
-    in the direction (nx, nz) from i to j; 0: nothing."""
+    """Return the largest shortfall of `gap` [m] of two dancers on straight paths from `now` (A, 2) to `soon` (K, A, 2).
+
+    It is measured in the direction (nx, nz) from i to j [m]; 0: none.
+    """
     worst = 0.0
     x, z = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
     for k in range(soon.shape[0]):
         dx, dz = soon[k, j, 0] - soon[k, i, 0] - x, soon[k, j, 1] - soon[k, i, 1] - z
         t = min(max(-(x * dx + z * dz) / max(dx * dx + dz * dz, 1e-9), 0.0), 1.0)
-        cx, cz = x + t * dx, z + t * dz  # where they are nearest
-        # who would have passed through each other is on the other side then
+        cx, cz = x + t * dx, z + t * dz  # their nearest approach
+        # dancers who would have passed through each other are then on the opposite side
         if cx * cx + cz * cz < gap * gap:
             worst = max(worst, gap - (cx * nx + cz * nz))
         x, z = x + dx, z + dz
@@ -331,11 +339,11 @@ def push_apart(
     speed: Float64,
     moved: Float64,
 ) -> bool:
-    """The last resort of one tick `dt` [s]: who touches, or will `soon`, is moved away, whatever her feet do.
+    """Last resort of one tick `dt` [s]: move dancers apart who touch, or will `soon`, regardless of their feet.
 
-    `now` (A, 2) and `soon` (K, A, 2) [m]: where the hips are, and where they will be at some moments soon; `speed`
-    (A, 2) [m/s] of these moves is kept from tick to tick and follows what lacks critically damped, with `stiffness`
-    [1/s]; `moved` (A, 2) [m] is this tick's move; returns whether anybody has one. Else as in `part_paths`.
+    `now` (A, 2) and `soon` (K, A, 2) [m] are hip places now and at some moments soon. `speed` (A, 2) [m/s] of these
+    moves is kept between ticks and follows the missing distance critically damped, with `stiffness` [1/s]; `moved`
+    (A, 2) [m] is this tick's move. Returns whether there is any. The rest as in `part_paths`.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)

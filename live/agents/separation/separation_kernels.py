@@ -1,4 +1,4 @@
-"""Kernels of parting: places in cells, pairs that are too near."""
+"""Kernels of separation: spatial cells, and pairs that are too near."""
 
 import math
 
@@ -12,12 +12,12 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 NEIGHBOUR_RANGE = 2.5
-"""Size of the cells in which places are looked up [m]: no gap is wider."""
+"""Cell size for neighbour search [m]: no gap is wider."""
 
 
 @kernel("i8(f8,f8,f8,f8,f8,i8,i8)")
 def _cell_of(x: float, z: float, half_width: float, half_depth: float, size: float, columns: int, rows: int) -> int:
-    """Index of the cell that holds (x, z); places off the stage belong to the nearest cell."""
+    """Return the index of the cell that contains (x, z); places off the stage belong to the nearest cell."""
     column = min(max(math.floor((x + half_width) / size), 0), columns - 1)
     row = min(max(math.floor((z + half_depth) / size), 0), rows - 1)
     return row * columns + column
@@ -25,7 +25,7 @@ def _cell_of(x: float, z: float, half_width: float, half_depth: float, size: flo
 
 @kernel("i8(f8,f8)")
 def cell_count(extent: float, size: float) -> int:
-    """How many cells of about `size` [m] cover `extent` [m]: at least one."""
+    """Return how many cells of about `size` [m] cover `extent` [m]: at least one."""
     return max(1, math.ceil(extent / size - 1e-9))
 
 
@@ -33,7 +33,7 @@ def cell_count(extent: float, size: float) -> int:
 def sort_into_cells(
     position: Float32, half_width: float, half_depth: float, size: float, cell_start: Int32, order: Int32
 ) -> None:
-    """Counting sort: agents of cell c are order[cell_start[c]:cell_start[c + 1]], in the order of their numbers."""
+    """Counting sort: agents of cell c are order[cell_start[c]:cell_start[c + 1]], in numerical order."""
     columns, rows = cell_count(2.0 * half_width, size), cell_count(2.0 * half_depth, size)
     cells = columns * rows
     for c in range(cells + 1):
@@ -44,7 +44,7 @@ def sort_into_cells(
         cell_start[c + 1] += cell_start[c]
     for i in range(position.shape[0] - 1, -1, -1):
         c = _cell_of(position[i, 0], position[i, 1], half_width, half_depth, size, columns, rows)
-        # fill each cell from its end; the starts move back to where they were after all agents are placed
+        # fill each cell from its end; afterwards the starts are back at their values
         cell_start[c + 1] -= 1
         order[cell_start[c + 1]] = i
     for c in range(cells):
@@ -74,10 +74,10 @@ def part_positions(
     cell_start: Int32,
     order: Int32,
 ) -> None:
-    """Move `position` (A, 2) apart in place until neighbours are `gap` [m] away, as far as `most` [m] allows.
+    """Move `position` (A, 2) apart in place until neighbours are `gap` [m] apart, as far as `most` [m] allows.
 
-    Nobody is moved farther than `most` from its `anchor` (A, 2). In each of the `rounds` the pairs are taken in the
-    order of their numbers and share the way between them.
+    Each stays within `most` of its `anchor` (A, 2). Each of the `rounds` processes the pairs in numerical order and
+    splits the missing distance between the two.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     for _ in range(rounds):
@@ -107,10 +107,10 @@ def part_positions(
 
 @kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],f4[:,::1],f4[::1])")
 def bind_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Float32, most: Float32) -> None:
-    """Nobody's agent gets farther than `most` (A,) [m] from her dancer: at that distance she is taken along.
+    """Keep each agent within `most` (A,) [m] of its dancer: at that distance the dancer drags it along.
 
-    `position`, `velocity` (A, 2) [m, m/s] of the agents are changed in place; `dancer` (A, 2) [m] is where the
-    dancers are on the way through their measure, `pace` (A, 2) [m/s] how fast that moves.
+    `position`, `velocity` (A, 2) [m, m/s] of the agents are changed in place; `dancer` (A, 2) [m] are the dancers'
+    places on the path of their measure, `pace` (A, 2) [m/s] its velocity.
     """
     for n in range(position.shape[0]):
         dx, dz = position[n, 0] - dancer[n, 0], position[n, 1] - dancer[n, 1]

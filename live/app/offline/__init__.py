@@ -1,4 +1,4 @@
-"""Work without a live show: films, dances, partners, steps, soaks and reports, computed for a command.
+"""Offline work of commands: films, dances, partners, steps, soak tests and reports.
 
-It may import every layer but `cli`.
+May import every layer except `cli`.
 """

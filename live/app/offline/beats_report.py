@@ -1,8 +1,6 @@
-"""What `live beats` hears: a tracker fed block by block, with what a musician would do at certain times.
+"""Beat tracking of a file for `live beats`, with output as table, JSON, CSV or sound with clicks.
 
-The dancers' clock over what is heard: the show's own follower, run offline, written 64 times a second as CSV.
-
-What `live beats FILE` writes: a table, JSON, CSV, or the sound with a click on each beat.
+The follower's timeline can be written 64 times a second as CSV.
 """
 
 import contextlib
@@ -30,7 +28,7 @@ BLOCK = 512
 
 @dataclass(frozen=True, slots=True)
 class Seeds:
-    """What is told by hand, and when [s]; None: it is not."""
+    """Manual inputs and their times [s]; None: not given."""
 
     tap_bpm: float | None = None
     tap_at: float | None = None
@@ -38,7 +36,7 @@ class Seeds:
 
 
 class Ear:
-    """Feeds a tracker and tells it the seeds when their time has come."""
+    """Feeds a tracker with sound, and with manual inputs at their times."""
 
     def __init__(
         self, sample_rate: float, name: TrackerName, seeds: Seeds, timeline: "TimelineFile | None" = None
@@ -49,7 +47,7 @@ class Ear:
         self._timeline = timeline
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
-        """The beats named while these samples, shape (n,), are heard."""
+        """Return the beats announced during these samples, shape (n,)."""
         beats = self.tracker.feed(samples)
         heard = self.tracker.position
         if self._tap_at is not None and heard >= self._tap_at:
@@ -68,7 +66,7 @@ class Ear:
 
 
 def hear_file(ear: Ear, music: Music) -> list[BeatEstimate]:
-    """All beats of a file in order of time; of one that was named again before it came, the last name."""
+    """Return all beats of a file in time order; of a beat that was corrected before it came, the last estimate."""
     mono = music.samples.mean(axis=1, dtype=np.float32)
     kept: list[BeatEstimate] = []
     for beat in (beat for at in range(0, mono.size, BLOCK) for beat in ear.feed(mono[at : at + BLOCK])):
@@ -79,23 +77,23 @@ def hear_file(ear: Ear, music: Music) -> list[BeatEstimate]:
 
 
 def lines_of(beat: BeatEstimate) -> str:
-    """The lines that `live beats --stdin` prints for one estimate."""
+    """Return the lines that `live beats --stdin` prints for one estimate."""
     text = f"R {beat.replaces:.5f} {beat.heard:.5f}\n" if beat.replaces == beat.replaces else ""
     place = f" {beat.beat + 1}" if beat.beat >= 0 else ""
     return f"{text}B {beat.position:.5f} {beat.heard:.5f}{place}\n"
 
 
 RATE: Final = 64
-"""Lines a second: the show's ticks."""
+"""Lines per second: the show's tick rate."""
 
 HEADING: Final = "time_s,beat,measure,phase,bpm,confidence,state\n"
 
 
 class TimelineFile:
-    """Tells a TimelineFollower what a tracker named and writes where its beats are. A context manager."""
+    """Feeds a tracker's beats to a TimelineFollower and writes its timeline. A context manager."""
 
     def __init__(self, path: Path) -> None:
-        """PersonError if the file cannot be written, now or later (the disk is full)."""
+        """Open the file. Every method raises PersonError if it cannot be written (full disk)."""
         self._path = path
         with self._writable():
             self._out: TextIO = path.open("w", encoding="ascii")
@@ -120,11 +118,11 @@ class TimelineFile:
             raise PersonError(f"--timeline {self._path} cannot be written ({error.strerror or error})") from None
 
     def one(self, time: float) -> None:
-        """Somebody pressed "this is the one" at `time` [s]."""
+        """Handle "this is the one" at `time` [s]."""
         self._follower.one(time)
 
     def heard(self, beats: list[BeatEstimate], level: float, position: float) -> None:
-        """What was named in the sound up to `position` [s], and how loud it is there (RMS)."""
+        """Handle beats announced in the sound up to `position` [s], and its level there (RMS)."""
         self._run(position)
         follower = self._follower
         before, self._hearing = self._hearing, self._pauses.step(level, position)
@@ -144,7 +142,7 @@ class TimelineFile:
             )
 
     def _run(self, until: float) -> None:
-        """The ticks up to `until` [s]."""
+        """Run the ticks up to `until` [s]."""
         while self._ticks / RATE < until:
             time = self._ticks / RATE
             timeline = self._follower.advance(time)
@@ -158,14 +156,14 @@ class TimelineFile:
 
 
 CLICK_S = 0.03
-"""Length of a click [s]; it falls to 1/e in a fifth of it."""
+"""Length of a click [s]; it decays to 1/e in a fifth of it."""
 
 CLICK_HZ = (1000.0, 1600.0)
-"""Pitch of a click, and of one on a downbeat."""
+"""Pitch of a click [Hz], and of a downbeat's click."""
 
 
 def as_json(file: Path, tracker: str, music: Music, beats: list[BeatEstimate]) -> str:
-    """{file, tracker, seconds, bpm, beats_per_measure, beats: [{time_s, named_s, beat, metre, bpm, confidence}]}."""
+    """Return {file, tracker, seconds, bpm, beats_per_measure, beats: [{time_s, named_s, beat, …}]} as JSON."""
     return json.dumps(
         {
             "file": file.name,
@@ -189,7 +187,7 @@ def as_json(file: Path, tracker: str, music: Music, beats: list[BeatEstimate]) -
 
 
 def as_csv(beats: list[BeatEstimate]) -> str:
-    """A heading and a line for each beat: time_s, named_s, beat, beats_per_measure, bpm, confidence."""
+    """Return a heading and a line for each beat: time_s, named_s, beat, beats_per_measure, bpm, confidence."""
     lines = ["time_s,named_s,beat,beats_per_measure,bpm,confidence"]
     for beat in beats:
         place = f"{beat.beat + 1},{beat.beats_per_measure}" if beat.beat >= 0 else ","
@@ -198,7 +196,7 @@ def as_csv(beats: list[BeatEstimate]) -> str:
 
 
 def print_table(file: Path, music: Music, beats: list[BeatEstimate], note: str) -> None:
-    """A line on the whole, and one for each measure (or each fourth beat) with its time and tempo."""
+    """Print a summary, and a line for each measure (or each fourth beat) with its time and tempo."""
     from rich.console import Console
 
     console = Console(highlight=False, soft_wrap=True, markup=False)
@@ -216,7 +214,7 @@ def print_table(file: Path, music: Music, beats: list[BeatEstimate], note: str) 
 
 
 def write_click(path: Path, music: Music, beats: list[BeatEstimate]) -> None:
-    """Write the sound, mixed to mono, with a click on each beat: 16 bit WAV at the sound's own rate."""
+    """Write the sound, mixed to mono, with a click on each beat: 16-bit WAV at the sound's sample rate."""
     rate = music.sample_rate
     sound = 0.6 * music.samples.mean(axis=1, dtype=np.float32)
     time = np.arange(int(CLICK_S * rate)) / rate
@@ -239,11 +237,11 @@ def write_click(path: Path, music: Music, beats: list[BeatEstimate]) -> None:
 
 
 def _tempo(beats: list[BeatEstimate]) -> float | None:
-    """The tempo heard most of the time [bpm]; None without beats."""
+    """Return the median tempo [bpm]; None without beats."""
     return round(60.0 / float(np.median([beat.period for beat in beats])), 2) if beats else None
 
 
 def _metre(beats: list[BeatEstimate]) -> int | None:
-    """The metre heard most of the time; None where none is known."""
+    """Return the most frequent metre; None if none is known."""
     heard = Counter(beat.beats_per_measure for beat in beats if beat.beats_per_measure)
     return heard.most_common(1)[0][0] if heard else None

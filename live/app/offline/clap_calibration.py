@@ -1,4 +1,4 @@
-"""The clap test of `live calibrate --claps`: the screen flashes, people clap with it, the microphone hears them."""
+"""Clap test of `live calibrate --claps`: the screen flashes, people clap with it, and a microphone records them."""
 
 import time
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from live.control.audio.latency_claps import ClapOffset, clap_offset, find_claps
 from live.control.audio.latency_sweep import Microphone
 
 PERIOD: Final = 0.75
-"""Seconds from flash to flash: 80 bpm, slow enough for nobody's eyes to mind, and to tell delays up to 370 ms."""
+"""Seconds between flashes: 80 bpm, slow enough to be safe for photosensitive eyes and to measure up to 370 ms."""
 
 FIRST: Final = 2.0
 LIT: Final = 0.12
@@ -24,18 +24,18 @@ AFTER: Final = 1.5
 
 
 class Screen(Protocol):
-    """Something that can be light or dark."""
+    """Screen that can be light or dark."""
 
     def show(self, light: bool) -> bool:
-        """Draw one picture, which takes about a frame; False if the person has closed it."""
+        """Draw one picture, which takes about a frame; return False if the screen was closed."""
         ...
 
 
 class WindowScreen:
-    """The whole of a monitor."""
+    """Full-screen window on a monitor."""
 
     def __init__(self, monitor: str | None) -> None:
-        """PersonError where there is no screen."""
+        """Raise PersonError if there is no screen."""
         from live.render.window.monitors import UnknownMonitor, find_monitor
         from live.render.window.window import NoWindow, Window
 
@@ -46,7 +46,7 @@ class WindowScreen:
             raise PersonError(f"--claps: {error}") from None
 
     def show(self, light: bool) -> bool:
-        """Draw one picture; False after Esc or when the window was closed."""
+        """Draw one picture; return False after Esc or when the window was closed."""
         from live.render.window.window_input import CloseRequested, KeyPressed
 
         for value in self._window.poll():
@@ -71,9 +71,9 @@ class WindowScreen:
 def flash(
     screen: Screen, count: int, clock: Clock, wait: Callable[[float], None] = time.sleep
 ) -> npt.NDArray[np.float64]:
-    """Flash `count` times; when the first light picture of each was begun [s], shape (count,).
+    """Flash `count` times; return the start of the first light picture of each flash [s], shape (count,).
 
-    That is the moment at which a show, too, decides what it draws. PersonError if the person closes the screen.
+    A show also decides at that moment what it draws. Raise PersonError if the screen is closed.
     """
     begin = clock.now() + FIRST
     flashes: list[float] = []
@@ -90,7 +90,7 @@ def flash(
 
 
 def clap_test(screen: Screen, device: SoundDevice, channels: Channels, count: int) -> ClapOffset:
-    """Flash and listen; how late the claps came, as they are there at the input."""
+    """Flash and record; return the delay of the claps at the input."""
     clock = SystemClock()
     microphone = Microphone(device, channels, FIRST + count * PERIOD + AFTER + 10.0, clock)
     try:

@@ -1,4 +1,4 @@
-"""What `live dance` does: library, graph, the path through it, and the motion."""
+"""Planning of `live dance`: library, motion graph, the path through it, and the motion."""
 
 import math
 from collections.abc import Sequence
@@ -26,12 +26,12 @@ Int32 = npt.NDArray[np.int32]
 
 WINDOW_BEATS: Final = 0.75
 MOST_PATH_MEASURES: Final = 3000
-"""Longest dance along a path, which takes a twentieth of a second for each measure."""
+"""Longest dance along a path; each measure takes a twentieth of a second."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The command line."""
+    """Options of the command line."""
 
     library: str
     sequence: str
@@ -48,7 +48,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """What will be danced in M measures."""
+    """Planned dance of M measures."""
 
     asked: Asked
     graph: MotionGraph
@@ -57,22 +57,22 @@ class Plan:
     node: Int32
     """Shape (M,)."""
     edge_cost: Float64
-    """Distance of the poses where each measure begins [m], 0 for the first, shape (M,)."""
+    """Distance of the poses at the start of each measure [m], 0 for the first, shape (M,)."""
     missing: tuple[Missing, ...]
     heading: float
-    """Where she faces at the beginning [rad]."""
+    """The dancer's initial heading [rad]."""
     targets: Targets | None = None
     """The path, if there is one."""
     followed: FollowedPath | None = None
 
     @property
     def wrong(self) -> npt.NDArray[np.bool_]:
-        """Measures that are not as wanted, shape (M,)."""
+        """Measures that differ from the request, shape (M,)."""
         return np.asarray(~self.specification.fits[self.specification.kind, self.node])
 
 
 def make_plan(asked: Asked) -> Plan:
-    """Read the library, find the dance; PersonError for whatever cannot be."""
+    """Read the library and find the dance; raise PersonError if that fails."""
     library, wanted = read_wanted(read_clips(asked.library), read_text(asked.sequence))
     check_attributes(library, wanted)
     specification = specify(library, wanted, foot_rule=asked.foot_rule)
@@ -97,7 +97,7 @@ def make_plan(asked: Asked) -> Plan:
 
 
 def put_together(plan: Plan) -> Assembled:
-    """The motion of a plan; PersonError if it is too long for one file."""
+    """Return the motion of a plan; raise PersonError if it is too long for one file."""
     followed, targets = plan.followed, plan.targets
     try:
         if followed is None or targets is None:
@@ -116,7 +116,7 @@ def put_together(plan: Plan) -> Assembled:
 
 
 def _headings(asked: Asked) -> "str | tuple[float, ...]":
-    """Where she faces: "path", or one or two angles [rad]."""
+    """Parse the dancer's heading: "path", or one or two angles [rad]."""
     text = (asked.heading or "0").strip().lower()
     if text in ("path", "public"):
         return text if text == "path" else (0.0,)
@@ -129,7 +129,7 @@ def _headings(asked: Asked) -> "str | tuple[float, ...]":
     return tuple(math.radians(value) for value in degrees)
 
 
-# -- what is searched --------------------------------------------------------------------------------------------------
+# -- search ------------------------------------------------------------------------------------------------------------
 
 
 def _graph(asked: Asked, library: StepLibrary) -> MotionGraph:
@@ -144,7 +144,7 @@ def _graph(asked: Asked, library: StepLibrary) -> MotionGraph:
 
 
 def _start(graph: MotionGraph, specification: Specification, name: str) -> int:
-    """The last measure of the step's variation from which the dance goes on best."""
+    """Return the last measure of the step's variation from which the dance continues best."""
     library = graph.library
     step = find_name(library, name)
     if step is None:
@@ -153,7 +153,7 @@ def _start(graph: MotionGraph, specification: Specification, name: str) -> int:
 
 
 def _refuse_lone_steps(graph: MotionGraph, wanted: Sequence[Wanted], missing: Sequence[Missing]) -> None:
-    """PersonError for a step that no join leads to or away from, unless it is all that is danced."""
+    """Raise PersonError for a step without joins to or from other steps, unless it is the only one."""
     library = graph.library
     joined = np.zeros(len(library.steps), np.bool_)
     source = np.repeat(np.arange(library.node_count), np.diff(graph.edge_start))

@@ -1,4 +1,4 @@
-"""What `live dance` gives back: the motion, the report, and the dance in words or JSON."""
+"""Output of `live dance`: motion file, report, and the dance as table or JSON."""
 
 import json
 from pathlib import Path
@@ -20,11 +20,11 @@ from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.gltf_writer import write_glb
 
 SHOWN: Final = 200
-"""Measures that the table shows; JSON holds them all."""
+"""Maximum number of measures in the table; JSON has all of them."""
 
 
 def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None:
-    """PersonError for files that cannot or must not be written."""
+    """Raise PersonError for files that cannot or must not be written."""
     if out is not None and out.suffix.lower() not in EXPORT_ENDINGS:
         raise PersonError(
             f"--out {out}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--out {out.stem}.bvh"
@@ -40,20 +40,20 @@ def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None
 
 
 def write_motion(clip: Clip, out: Path) -> None:
-    """The dance as a file: BVH 60 frames/s, or glTF."""
+    """Write the dance as BVH at 60 frames/s, or as glTF."""
     data = write_bvh(clip, rate=None).encode("ascii") if out.suffix.lower() == ".bvh" else write_glb(clip, rate=None)
     write_whole(data, out, "--out")
 
 
 def write_report(plan: Plan, dance: Assembled, report: Path) -> None:
-    """The figures of the dance, keys as the contracts have them."""
+    """Write the metrics of the dance, with keys as in the contracts."""
     values = DanceFigures(plan.graph, dance, plan.targets).result()
     values |= {"steps": step_rows(plan), "missing": [one.row() for one in plan.missing]}
     write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), report, "--report")
 
 
 def step_rows(plan: Plan) -> list[dict[str, Any]]:
-    """The measures, numbered from 1; `weight` is the share of the clip where another take is mixed in."""
+    """Return a row per measure, numbered from 1; `weight`: the clip's share if another take is mixed in."""
     library, followed = plan.graph.library, plan.followed
     share = np.zeros(len(plan.node)) if followed is None else followed.share
     return [
@@ -70,7 +70,7 @@ def step_rows(plan: Plan) -> list[dict[str, Any]]:
 
 
 def print_dance(plan: Plan, *, as_json: bool) -> None:
-    """The dance on stdout; what is missing in the table's form on stderr."""
+    """Print the dance on stdout; with the table, print missing transitions on stderr."""
     rows, wrong = step_rows(plan), plan.wrong
     if as_json:
         value = {

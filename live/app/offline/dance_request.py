@@ -1,4 +1,4 @@
-"""What `live dance` reads: the library of steps and the sequence that is wanted of it."""
+"""Input of `live dance`: the step library and the requested sequence."""
 
 import os
 from collections.abc import Sequence
@@ -14,18 +14,18 @@ from live.motion.step_clip import StepClip
 from live.show.patch.patch_search_path import PATCHES
 
 SKETCHES: Final = "sketches"
-"""The project's own steps."""
+"""Name of the built-in steps."""
 MOST_BYTES: Final = 4_000_000
-"""Longest file of a sequence."""
+"""Maximum size of a sequence file [bytes]."""
 
 
 def read_clips(library: str) -> list[StepClip]:
-    """The steps of a folder, or the project's own."""
+    """Read the steps of a folder, or the built-in ones."""
     return load_folder(PATCHES / "steps" if library == SKETCHES else Path(library))
 
 
 def read_text(sequence: str) -> str:
-    """The sequence, out of a file if it begins with @; lines may end where commas are."""
+    """Return the sequence, read from a file if it begins with @; in a file, line ends count as commas."""
     if not sequence.startswith("@"):
         return sequence
     file = Path(sequence[1:])
@@ -44,7 +44,7 @@ def read_text(sequence: str) -> str:
 
 
 def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[Wanted]]:
-    """The library of the metre in which all steps of the sequence are there, and the sequence."""
+    """Return the library of the metre that has all steps of the sequence, and the parsed sequence."""
     metres = [clip.beats_per_measure for clip in clips]
     errors: list[PersonError] = []
     for beats in sorted(set(metres), key=lambda beats: (-metres.count(beats), beats)):
@@ -63,7 +63,7 @@ def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list
 
 
 def check_attributes(library: StepLibrary, wanted: Sequence[Wanted]) -> None:
-    """PersonError if variations of a wanted step contradict each other: a step transfers the weight or it does not."""
+    """Raise PersonError if variations of a wanted step differ in `weight_transfer`, which belongs to the step."""
     for step in sorted({entry.step for entry in wanted if entry.step is not None}):
         clips = [clip for clip in library.clips if clip.step == library.steps[step]]
         said = {clip.weight_transfer: clip for clip in reversed(clips)}

@@ -1,8 +1,6 @@
-"""`live steps graph`: the motion graph of a library: what leads where, what does not, as text, JSON, DOT or SVG.
+"""Report of `live steps graph`: a library's motion graph as text, JSON, DOT or SVG.
 
-`live steps graph --bridges`: where in the recordings the ways between unjoined steps are (T141).
-
-What there is to say of a motion graph: as JSON, as Graphviz text, and as the picture of a state machine.
+With `--bridges` it also finds stretches of the recordings that join steps without edges (T141).
 """
 
 import json
@@ -28,11 +26,11 @@ from live.library.recordings import RecordingReader
 from live.motion.clip import Clip
 
 MOST_PAIRS = 24
-"""Pairs of steps for which bridges are searched, the nearest first: half a second each for half an hour of motion."""
+"""Maximum pairs of steps to find bridges for, nearest first: half a second each for half an hour of motion."""
 
 
 def read_recordings_of(library: Path | None) -> list[Clip]:
-    """Every recording of the library's folders, whole and once; PersonError if there is none."""
+    """Return every recording of the library's folders once, in full; raise PersonError if there is none."""
     found: dict[int, Clip] = {}
     for folder in folders(library):
         reader = RecordingReader()
@@ -48,7 +46,7 @@ def read_recordings_of(library: Path | None) -> list[Clip]:
 def find_missing_bridges(
     graph: MotionGraph, missing: Sequence[dict[str, Any]], recordings: Sequence[Clip]
 ) -> list[dict[str, Any]]:
-    """For the nearest pairs of steps that are not joined the best stretch of a recording, one row each."""
+    """Return a row with the best stretch of a recording for each of the nearest pairs of unjoined steps."""
     recorded, library = [Recorded.of(clip) for clip in recordings], graph.library
     rows = []
     for row in missing[:MOST_PAIRS]:
@@ -73,22 +71,22 @@ def find_missing_bridges(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """A graph and what there is to say of it."""
+    """Analysis of a motion graph."""
 
     graph: MotionGraph
     components: list[Component]
     steps: list[Lead]
-    """From step to step."""
+    """Joins from step to step."""
     parts: list[Lead]
-    """From component to component."""
+    """Joins from component to component."""
     whole: Connectivity
     missing: list[dict[str, Any]]
     left_out: dict[int, int]
-    """Beats per measure of the clips of another metre → how many there are."""
+    """Number of clips of other metres, by beats per measure."""
 
 
 def report_of(graph: MotionGraph, left_out: dict[int, int] | None = None) -> Report:
-    """What there is to say of a graph from which nothing was pruned."""
+    """Analyse an unpruned graph."""
     library, components = graph.library, structural_components(graph.library)
     part = np.zeros(library.node_count, np.int32)
     for number, component in enumerate(components):
@@ -106,7 +104,7 @@ def report_of(graph: MotionGraph, left_out: dict[int, int] | None = None) -> Rep
 
 
 def _missing(graph: MotionGraph, between: list[Lead]) -> list[dict[str, Any]]:
-    """The pairs of steps that nothing joins, the nearest first, and what would join them (T003, T043)."""
+    """Return the pairs of unjoined steps, nearest first, and recordings that would join them (T003, T043)."""
     steps, there = graph.library.steps, {(one.source, one.target) for one in between}
     nearest = nearest_steps(graph)
     rows: list[dict[str, Any]] = []
@@ -129,7 +127,7 @@ def _missing(graph: MotionGraph, between: list[Lead]) -> list[dict[str, Any]]:
 
 
 def json_of(report: Report) -> dict[str, Any]:
-    """The graph as JSON; nodes, components and strong components are named by their number, from 0."""
+    """Return the graph as JSON; nodes, components and strong components are numbered from 0."""
     graph, library, whole = report.graph, report.graph.library, report.whole
     joins = graph.joins
     part = {node: number for number, one in enumerate(report.components) for node in one.nodes}
@@ -192,7 +190,7 @@ def json_of(report: Report) -> dict[str, Any]:
 
 
 def dead_ends(report: Report) -> list[dict[str, Any]]:
-    """Nodes that are no part of an endless dance, and why."""
+    """Return nodes that are not part of any cycle, with the reason."""
     whole, library = report.whole, report.graph.library
     rows = []
     for node in np.flatnonzero(~whole.alive).tolist():
@@ -205,7 +203,7 @@ def dead_ends(report: Report) -> list[dict[str, Any]]:
 
 
 def dot_of(report: Report) -> str:
-    """The component graph (T062) for Graphviz: a cluster for each step, a node for each structural variation."""
+    """Return the component graph (T062) for Graphviz: a cluster per step, a node per structural variation."""
     library = report.graph.library
     lines = ["digraph steps {", "  compound=true; node [shape=box, style=rounded];"]
     for step, name in enumerate(library.steps):
@@ -232,7 +230,7 @@ def _quoted(text: str) -> str:
 
 
 def svg_of(report: Report) -> str:
-    """The state machine of the steps (Fig 5.11)."""
+    """Return the state machine of the steps as SVG (Fig 5.11)."""
     library = report.graph.library
     states = []
     for step, name in enumerate(library.steps):
@@ -249,7 +247,7 @@ def svg_of(report: Report) -> str:
 
 WINDOW_BEATS = 0.75
 SHOWN = 12
-"""Missing edges that are told; JSON has them all."""
+"""Maximum number of missing edges printed; JSON has all of them."""
 
 
 def print_graph(
@@ -262,7 +260,7 @@ def print_graph(
     window: float | None,
     bridges: bool = False,
 ) -> None:
-    """Print the graph of a library, or write its picture; PersonError if the library cannot be read."""
+    """Print the graph of a library, or write its picture; raise PersonError if the library cannot be read."""
     report = _report(named_steps(library), threshold, window)
     found: list[dict[str, Any]] | None = None
     if bridges:

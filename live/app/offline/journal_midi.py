@@ -1,4 +1,4 @@
-"""A journal as a MIDI file: the beat as its tempo track, what was done as markers, what was danced as notes."""
+"""Export of a journal as a MIDI file: tempo track, events as markers, and steps as notes."""
 
 import io
 from dataclasses import dataclass, field
@@ -15,28 +15,28 @@ from live.show.journal.journal_reader import Journal, JournalLine
 from live.show.journal.replay import Replaying, Start
 
 PULSES: Final = 480
-"""Pulses of a quarter note, which is a beat."""
+"""Pulses per quarter note, which is a beat."""
 LOWEST: Final = 36
-"""The note of the first step of the library; the others follow."""
+"""The note of the library's first step; the others follow."""
 HEARD: Final = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
-"""What sources say all the time is no marker."""
+"""Continuous events, which get no marker."""
 Message = tuple[int, Any]
 
 
 @dataclass(slots=True)
 class _Score:
-    """What a run of the show tells, by pulses since its first measure."""
+    """Messages and steps of a run, by pulses since its first measure."""
 
     tempo: list[Message] = field(default_factory=list)
     markers: list[Message] = field(default_factory=list)
     groups: dict[int, list[tuple[int, int, int]]] = field(default_factory=dict)
-    """For each group: first and last pulse, and step."""
+    """First pulse, last pulse and step for each group."""
 
 
 def midi_of(journal: Journal, start: Start) -> bytes:
-    """Run the show through its journal once more and write down its measures, events and steps.
+    """Replay the journal and return its measures, events and steps as a MIDI file.
 
-    A measure's tempo is the one it had from its first to its last beat; within it the file's beats are even.
+    A measure's tempo is its mean from first to last beat; the beats within it are even in the file.
     """
     score = _Score()
     show, origin = start.show, start.tick * TICK
@@ -53,7 +53,7 @@ def midi_of(journal: Journal, start: Start) -> bytes:
         beats = max(1, round(beat - begun))
         _add_measure(score, pulse, beats, time - origin)
         over = [line for line in waiting if line.tick <= running.tick]
-        del waiting[: len(over)]  # the line after them was read already
+        del waiting[: len(over)]  # the line after them has already been read
         _add_markers(score, over, pulse, origin, time, beats)
         _add_steps(score, show, pulse, pulse + beats * PULSES)
         pulse, begun, origin = pulse + beats * PULSES, beat, time
@@ -87,7 +87,7 @@ def _add_markers(score: _Score, lines: list[JournalLine], pulse: int, begin: flo
 
 
 def _add_steps(score: _Score, show: Any, begin: int, end: int) -> None:
-    """The step that most dancers of each group have danced in the measure that is over."""
+    """Add the most frequent step of each group in the past measure."""
     past = show.dancers.past.node
     for group in range(len(show.patch.group)):
         node = past[(show.group == group) & (past >= 0)]
@@ -114,7 +114,7 @@ def _file(score: _Score, name: str, groups: list[str], steps: tuple[str, ...]) -
 
 
 def _track(name: str, messages: list[Message]) -> Any:
-    """A track with messages at pulses; offs come before what begins at the same pulse."""
+    """Return a track with messages at pulses; note-offs come first at each pulse."""
     track = mido.MidiTrack([mido.MetaMessage("track_name", name=name.encode("ascii", "replace").decode())])
     last = 0
     for pulse, message in sorted(messages, key=lambda one: (one[0], one[1].type != "note_off")):

@@ -1,9 +1,4 @@
-"""`live partner --path`: a drawn path as the leader of a walk (H019).
-
-What is asked of `live partner`.
-
-The figures of a follower that `live partner` found, alone and beside the real one.
-"""
+"""Options of `live partner`, a drawn path as the leader of a walk (H019), and the metrics of the follower found."""
 
 import csv
 from dataclasses import dataclass
@@ -32,11 +27,11 @@ Float64 = npt.NDArray[np.float64]
 
 MAX_BYTES: Final = 50_000_000
 LONGEST: Final = 3600.0
-"""Seconds of a path at most."""
+"""Maximum duration of a path [s]."""
 FARTHEST: Final = 1000.0
-"""Metres from the origin at most."""
+"""Maximum coordinate of a path [m]."""
 RUNNING: Final = 3.0
-"""Faster than this [m/s] nobody walks."""
+"""Maximum walking speed [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,11 +40,11 @@ class Led:
 
     recorded: Recorded
     dropped: int
-    """Leading frames that were left out."""
+    """Number of dropped leading frames."""
 
 
 def led_by_path(path: Path, smooth: float) -> tuple[Led, Cloud]:
-    """The path as a leader: somebody who glides along it, and her control cloud."""
+    """Return a leader who glides along the path, and their control cloud."""
     time, place = read_path(path)
     cloud = frenet_cloud(time, place, SAMPLE_RATE, smooth=smooth)
     middle = cloud.floor.mean(axis=1)
@@ -71,7 +66,10 @@ def led_by_path(path: Path, smooth: float) -> tuple[Led, Cloud]:
 
 
 def read_path(path: Path) -> tuple[Float64, Float64]:
-    """Times (n,) [s] and places (n, 2), x and z [m], of a CSV file with the columns time_s, x, z; PersonError."""
+    """Read times (n,) [s] and positions (n, 2), x and z [m], from a CSV file with the columns time_s, x, z.
+
+    Raise PersonError if the file is invalid.
+    """
     try:
         if path.stat().st_size > MAX_BYTES:
             raise PersonError(f"{path}: more than {MAX_BYTES} bytes")
@@ -88,7 +86,7 @@ def read_path(path: Path) -> tuple[Float64, Float64]:
             time, x, z = (float(value) for value in row)
         except ValueError:
             if not rows and number == 1:
-                continue  # a heading
+                continue  # the heading
             raise PersonError(f"{path}, line {number}: three numbers expected: time_s, x, z") from None
         if not (np.isfinite([time, x, z]).all() and max(abs(x), abs(z)) <= FARTHEST):
             raise PersonError(f"{path}, line {number}: places within {FARTHEST:g} m expected")
@@ -103,7 +101,7 @@ def read_path(path: Path) -> tuple[Float64, Float64]:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """The options of the command, checked one by one."""
+    """Options of the command, each checked on its own."""
 
     leader: Path | None
     examples: Path
@@ -129,7 +127,7 @@ class Wish:
 
 
 def report_of(found: Partnered, units: Units, led: Led, search: Search, wish: Wish) -> dict[str, Any]:
-    """The figures of a follower (contracts: reports)."""
+    """Return the metrics of a follower (contracts: reports)."""
     reading, clip = found.reading, found.clip
     positions = joints_of(clip)
     gaps = [*reading.gap.tolist(), None]
@@ -162,7 +160,7 @@ def report_of(found: Partnered, units: Units, led: Led, search: Search, wish: Wi
 
 
 def _join_figures(found: Partnered, positions: npt.NDArray[np.float64], units: Units) -> dict[str, float | None]:
-    """How joins move against the raw recordings (contracts: join ratios)."""
+    """Return velocity and acceleration at joins relative to the raw recordings (contracts: join ratios)."""
     rate, half = found.clip.sample_rate, half_width(0.0)
     used = {int(units.example[unit]) for unit in found.reading.unit}
     raw = [at_samples(joints_of(units.examples[one].follower), rate) for one in sorted(used)]
@@ -176,7 +174,7 @@ def _join_figures(found: Partnered, positions: npt.NDArray[np.float64], units: U
 
 
 def _beat_figures(found: Partnered, units: Units, search: Search) -> dict[str, Any] | None:
-    """Shown time of each annotated beat minus the leader's nearest one."""
+    """Return statistics of each annotated beat's shown time minus the leader's nearest beat."""
     if search.beats is None or len(search.beats) < 2:
         return None
     shown = shown_beats(found.answer, found.reading, units)
@@ -187,8 +185,8 @@ def _beat_figures(found: Partnered, units: Units, search: Search) -> dict[str, A
 
 
 def compared(found: Partnered, led: Led, wish: Wish) -> dict[str, Any]:
-    """Against the real follower, whose file belongs to the leader's frame by frame."""
-    assert wish.truth is not None  # asked for
+    """Return errors against the real follower, whose file matches the leader's frame by frame."""
+    assert wish.truth is not None  # checked by the caller
     try:
         motion = read_motion(wish.truth)
         side = Side(file=wish.truth.name, fps=led.recorded.fps, drop_frames=min(led.dropped, motion.frame_count - 1))

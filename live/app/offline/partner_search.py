@@ -1,4 +1,4 @@
-"""What `live partner` does: files in, a search, files out."""
+"""Execution of `live partner`: reads files, searches the follower's motion, writes files."""
 
 import json
 import time
@@ -33,11 +33,11 @@ from live.motion.partner.units import BEATS_OF_UNIT, beat_samples, thin_out
 from live.motion.retarget.body_tracks import body_tracks
 
 FEWEST: Final = 8
-"""Frames below which a file holds no dance."""
+"""Minimum number of frames of a leader's file."""
 
 
 def run(wish: Wish) -> None:
-    """Everything."""
+    """Run the whole command."""
     known = read_pairs(wish.examples)
     walks = known.leaders[0] is None
     if walks != (wish.path is not None):
@@ -74,7 +74,7 @@ def run(wish: Wish) -> None:
 
 
 def read_leader(path: Path, wish: Wish, known: Examples) -> Led:
-    """The leader's motion; where nothing is said of its rate, it is taken for what recordings like it were."""
+    """Read the leader's motion; without a stated frame rate, use that of similar examples."""
     try:
         motion = read_motion(path)
         fps = wish.fps or likely_fps(motion.header_fps, known)
@@ -89,8 +89,10 @@ def read_leader(path: Path, wish: Wish, known: Examples) -> Led:
 
 
 def likely_fps(header: float, known: Examples) -> float:
-    """The true rate of a file whose header says `header`: where all examples with that header are corrected alike, so
-    is this one, for files of one source lie alike."""
+    """Return the true frame rate of a file with rate `header` in its header.
+
+    If all examples with that header have the same corrected rate, use it: files of one source have the same error.
+    """
     like = {
         one.fps for one in (*known.leaders, *known.followers)
         if one is not None and abs(one.header_fps / header - 1.0) < 1e-3
@@ -114,8 +116,7 @@ def _search(wish: Wish, led: Led, known: Examples, walks: bool) -> Search:
 
 
 def _beats(wish: Wish, led: Led, known: Examples) -> npt.NDArray[np.float64] | None:
-    """When the leader's beats are [s]: as given; as her feet have them, where that is clear; else, where they are
-    needed, guessed."""
+    """Return the leader's beats [s]: as given, else detected in their feet if clear, else guessed if needed."""
     clip = led.recorded.clip
     last = (clip.sample_count - 1.0) / clip.sample_rate
     if wish.bpm is not None and wish.first_beat is not None:
@@ -136,7 +137,7 @@ def _beats(wish: Wish, led: Led, known: Examples) -> npt.NDArray[np.float64] | N
 
 
 def _beside(clip: Clip, led: Led) -> Clip:
-    """The follower frame by frame beside the leader's file: frames that were left out hold the first pose."""
+    """Resample the follower to the leader's frames; dropped leading frames hold the first pose."""
     frames = np.maximum(np.arange(led.recorded.frames + led.dropped) - led.dropped, 0)
     root, rotation, contact = read_clip(clip, frames * clip.sample_rate / led.recorded.fps)
     return Clip(

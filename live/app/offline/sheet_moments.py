@@ -1,4 +1,4 @@
-"""The moments of a contact sheet: a show is run through, and stopped where a picture is taken."""
+"""Selection of a contact sheet's moments while a show runs offline."""
 
 import math
 from collections.abc import Iterator
@@ -19,14 +19,14 @@ from live.show.loader import LoadedShow
 from live.show.show import Show
 
 WITHIN: Final = 0.55
-"""How far into its measure a picture is taken: on most steps the way is widest open there."""
+"""Position of a picture in its measure, as a share: there most steps are at their widest."""
 TRACE: Final = 2.0
-"""So many beats before it are drawn as well, where something leaves a trace."""
+"""Beats before a picture that are drawn as well if trails or ribbons are on."""
 
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """What is told of a picture."""
+    """Data of a picture."""
 
     measure: int
     """From 1, as is `beat`."""
@@ -35,21 +35,21 @@ class Taken:
     tempo: float
     section: str | None
     cue: str | None
-    """The cue that happened last."""
+    """The last cue."""
     steps: tuple[tuple[tuple[float, float, float], str, str], ...]
-    """Of each group that is on the stage: its colour (linear RGB), its name, what most of it dances."""
+    """Colour (linear RGB), name and most frequent step of each group on stage."""
 
 
 class Taking:
-    """Says at each tick whether a picture is taken, or drawn only for the traces in a later one."""
+    """Decides at each tick whether a picture is taken, or only drawn for trails in a later one."""
 
     def __init__(self, show: Show, every: int, first: int) -> None:
-        """A picture of measure `first` (from 0) and of each `every` measures after it."""
+        """Take measure `first` (from 0) and each `every` measures after it."""
         self.show, self._every, self._next = show, every, first
         self._view = show.view()
 
     def look(self, time: float) -> tuple[StageView, Taken | None] | None:
-        """At `time` [s], after its tick: the moment to be drawn, with what is told of it if it is taken."""
+        """Return the view to draw at `time` [s], after its tick, with its data if it is taken; None to draw nothing."""
         show, beats = self.show, self.show.desk.beats
         if show.span.number > self._next:
             self._next += self._every * math.ceil((show.span.number - self._next) / self._every)
@@ -92,7 +92,7 @@ class Taking:
         )  # fmt: skip
 
     def _step(self, group: int) -> str | None:
-        """What most of a group dance: a step, or what they answer their leaders with."""
+        """Return the most frequent step of a group, or its response to the leaders."""
         library, rows = self.show.graph.library, (self._view.group == group) & self._view.present
         nodes = self.show.dancers.node[rows]
         if len(nodes) == 0:
@@ -100,7 +100,7 @@ class Taking:
         return self._answer(rows) or str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
 
     def _answer(self, rows: npt.NDArray[np.bool_]) -> str | None:
-        """What most of these dancers answer their leaders with at the moment; None if they dance steps of their own."""
+        """Return these dancers' present response to their leaders; None if most dance their own steps."""
         answering = self.show.dancers.answering
         if answering is None or 2 * np.count_nonzero(answering.along.carried & rows) <= np.count_nonzero(rows):
             return None
@@ -119,7 +119,7 @@ def _colour(row: "np.ndarray[tuple[int], np.dtype[np.float64]] | None", group: i
 def moments_of_patch(
     loaded: LoadedShow, show: Show, sound: Sound, seconds: float, every: int
 ) -> Iterator[tuple[StageView, Taken | None]]:
-    """The moments of a show from its beginning, `seconds` long."""
+    """Yield the moments of a show from its beginning, `seconds` long."""
     music = None
     if sound.music is not None:
         one_at = loaded.patch.music.one_at_s if sound.known else None
@@ -135,7 +135,7 @@ def moments_of_patch(
 
 
 def moments_of_journal(running: Replaying, every: int) -> Iterator[tuple[StageView, Taken | None]]:
-    """The moments of what a journal holds, from where the replay stands."""
+    """Yield the moments of a journal from the replay's present tick."""
     taking = Taking(running.show, every, running.show.span.number)
     while not running.over and running.damaged is None:
         running.advance(running.tick + 1)
@@ -145,5 +145,5 @@ def moments_of_journal(running: Replaying, every: int) -> Iterator[tuple[StageVi
 
 
 def measures_of(journal: Journal) -> int:
-    """How many measures it holds, whole ones and the last."""
+    """Return the number of measures in the journal, including the last incomplete one."""
     return sum(line.measure is not None for line in journal.usable()) + 1

@@ -1,8 +1,6 @@
-"""A soak in real time: a headless show, and people, a band and floods that reach it as they would in a hall.
+"""Runs of `live soak`: soak tests in real or virtual time, campaigns, their reports, and journal minimisation.
 
-The runs of `live soak`: one, or a campaign of many; what is told of them.
-
-`live soak --minimise JOURNAL`: a journal that fails becomes a short one that fails in the same way.
+A real-time soak is a headless show with simulated players, band and packet floods over the network.
 """
 
 import contextlib
@@ -36,16 +34,16 @@ from live.render.frame_stats import Pacer
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch
 
 EACH_S: Final = 20.0
-"""Seconds of one row of figures."""
+"""Duration of one row of figures [s]."""
 FLOOD: Final = 3000
 GROWTH: Final = 1.5
-"""The last third's p99.9 of frame CPU time may be so many times that of the first third ..."""
+"""Allowed growth factor of the p99.9 of frame CPU time from the first to the last third of the run."""
 SLACK_MS: Final = 2.0
-"""... and so much more."""
+"""Further growth allowed [ms]."""
 
 
 class Figures:
-    """Frame CPU times [ms] in rows of EACH_S."""
+    """Statistics of frame CPU times [ms] in rows of EACH_S."""
 
     def __init__(self) -> None:
         self.rows: list[dict[str, float]] = []
@@ -54,14 +52,14 @@ class Figures:
         self.late = 0
 
     def add(self, time: float, seconds: float, late: int, memory: float) -> None:
-        """One frame at `time` that took `seconds`."""
+        """Add a frame at `time` that took `seconds`."""
         self._times.append(seconds * 1e3)
         if time >= self._end:
             self.close(time, late, memory)
             self._end = time + EACH_S
 
     def close(self, time: float, late: int, memory: float) -> None:
-        """End the row."""
+        """Finish the row."""
         if self._times:
             p50, p99, p999 = np.percentile(self._times, (50, 99, 99.9))
             self.rows.append(
@@ -71,7 +69,7 @@ class Figures:
         self._times, self.late = [], late
 
     def grown(self) -> tuple[float, float] | None:
-        """Medians of p99.9 in the first and the last third of all rows; None while there are too few."""
+        """Return the medians of p99.9 in the first and last third of all rows; None if there are too few."""
         third = len(self.rows) // 3
         if third < 1:
             return None
@@ -80,7 +78,7 @@ class Figures:
 
 
 def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]:
-    """Run it; the report, and where the journal is. Growing frame times are a problem, late frames a figure."""
+    """Run the soak; return the report and the journal's path. Growing frame times are a problem, late ones are not."""
     edits = Edits(plan.patch, folder / "patch", plan.seed)
     journal = folder / "journal.jsonl"
     wish = Wish(
@@ -143,7 +141,7 @@ def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits, fa
 
 
 class _People:
-    """Everybody outside of the show: a thread that sends."""
+    """Simulated people outside the show: a thread that sends."""
 
     def __init__(self, session: Session, plan: Plan, edits: Edits, report: Report) -> None:
         self._session, self._edits, self._report = session, edits, report
@@ -161,11 +159,11 @@ class _People:
         self._thread = threading.Thread(target=self._run, name="people", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End."""
+        """Stop the thread."""
         self._ended.set()
         self._thread.join(5.0)
         self._outlet.close()
@@ -183,7 +181,7 @@ class _People:
             self._report.fail(Failure.of(error), "the people of the soak end: ")
 
     def _keyed(self, things: Iterator[Any]) -> Iterator[Timed]:
-        """Things with times, as what `send_all` sends: each under a key."""
+        """Yield time and key of each thing, for `send_all`; the thing is stored under the key."""
         for number, thing in enumerate(things):
             key = f"{id(things)} {number}".encode()
             self._pending[key] = thing
@@ -227,17 +225,17 @@ class _People:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What a run does beside its plan."""
+    """Options of a run besides its plan."""
 
     chaos: bool = False
     virtual: bool = True
     replay: bool = True
     sites: int = 0
-    """Call sites of the tick that fail, drawn; 0: all."""
+    """Number of randomly chosen call sites of the tick that fail; 0: all."""
 
 
 def patches_of(names: list[str] | None, *, every: bool) -> list[Path]:
-    """The patches that are meant; PersonError for one that is not there."""
+    """Return the patches with these names, or all; raise PersonError for a missing one."""
     if every:
         folders = sorted(PATCHES.glob(f"*/{MAIN_FILE}"))
         return [*folders, *(path for path in sorted(PATCHES.glob("*.toml")) if not path.stem.endswith(".midi"))]
@@ -245,7 +243,7 @@ def patches_of(names: list[str] | None, *, every: bool) -> list[Path]:
 
 
 def run_one(plan: Plan, folder: Path | None, console: Console, wanted: Wanted) -> Facts:
-    """One run; without a folder its files are kept only if it went wrong."""
+    """Run one soak; without a folder its files are kept only if it failed."""
     there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
     there.mkdir(parents=True, exist_ok=True)
     facts = guarded(Job("", lambda into: run(plan, into, console, wanted)), there)
@@ -253,7 +251,7 @@ def run_one(plan: Plan, folder: Path | None, console: Console, wanted: Wanted) -
 
 
 def run_all(plans: list[Plan], folder: Path | None, console: Console, wanted: Wanted) -> Facts:
-    """All of them, those that `folder` knows left out."""
+    """Run all soaks except those already finished in `folder`."""
     there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
     first = plans[0]
     what = {"hours": first.hours, "fps": first.fps, "players": first.players, "faults": first.faults, **asdict(wanted)}
@@ -279,13 +277,13 @@ def _kept(facts: Facts, there: Path, folder: Path | None) -> Facts:
 
 
 def name_of(plan: Plan) -> str:
-    """The name of a run: its patch and seed."""
+    """Return the name of a run: patch and seed."""
     patch = plan.patch.parent.name if plan.patch.name == MAIN_FILE else plan.patch.stem
     return f"{patch}-{plan.seed}"
 
 
 def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
-    """One run with its files in `folder`: the facts of its report."""
+    """Run one soak with its files in `folder`; return the facts of its report."""
     if wanted.chaos and wanted.virtual:
         from live.rehearse.chaos.virtual_run import virtual_chaos
 
@@ -322,7 +320,7 @@ def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
 
 
 def summary(report: Report) -> list[str]:
-    """A run in some words."""
+    """Return a summary of a run."""
     replayed = report.replay
     words = [f"{report.seconds / 60.0:.1f} min, {report.measures} measures, {sum(report.faults.values())} faults"]
     if replayed:
@@ -331,14 +329,14 @@ def summary(report: Report) -> list[str]:
 
 
 def tell_lines(facts: Facts) -> None:
-    """Its summary."""
+    """Print the summary."""
     console = Console(highlight=False)
     for words in facts["summary"]:
         console.print(words, soft_wrap=True, markup=False)
 
 
 def tell_campaign(facts: Facts) -> None:
-    """All runs, a line each, and what went wrong."""
+    """Print a line for each run, and the failures."""
     console = Console(highlight=False)
     for words in lines_of(facts):
         console.print(words, soft_wrap=True, markup=False)
@@ -346,7 +344,7 @@ def tell_campaign(facts: Facts) -> None:
 
 
 def tell_run(facts: Facts) -> None:
-    """One run, a little longer."""
+    """Print the details of one run."""
     console = Console(highlight=False)
     lines = []
     if "seconds" in facts:
@@ -376,11 +374,14 @@ def _tell_end(facts: dict[str, Any], console: Console) -> None:
 
 
 SHORT = ".min.jsonl"
-"""What the name of the short journal ends with."""
+"""File name suffix of a minimised journal."""
 
 
 def minimise_journal(path: Path, to: Path | None, seconds: float, console: Console) -> dict[str, Any]:
-    """Make it short, write it to `to` (beside it without one), and say what is left, as the report's facts."""
+    """Minimise a failing journal to one that fails in the same way; return the report's facts.
+
+    `to`: the file to write; None: next to the journal.
+    """
     from live.rehearse.journal_minimiser import minimise
     from live.show.journal.journal_reader import JournalError
     from live.show.journal.replay import ReplayError

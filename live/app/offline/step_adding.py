@@ -1,4 +1,4 @@
-"""Adding a recording to the library as a step: its description, and its beats from claps to a click or song."""
+"""Addition of a recording to the library as a step, with its beats found from claps to a click or song."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,7 @@ from live.motion.retarget.body_tracks import body_tracks
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """What was clapped to: a click of `click` bpm (of `count` beats, if that is known), or an audio file."""
+    """Sound that was clapped to: a click of `click` bpm (of `count` beats, if known), or an audio file."""
 
     click: float | None = None
     count: int | None = None
@@ -28,10 +28,10 @@ class Listening:
 
 
 def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, listening: Listening) -> None:
-    """Add the step that the options describe, and say what it became; PersonError if it cannot be.
+    """Add the step that the options describe, and print the result; raise PersonError if that fails.
 
-    A hand-set --bpm or --anchor always wins; what is not given is looked for in the recording, and said to be a guess
-    where nobody clapped.
+    Given --bpm or --anchor have priority. Missing values are estimated from the recording, and reported as a guess if
+    there are no claps.
     """
     console = Console(highlight=False)
     comments: dict[str, str] = {}
@@ -85,10 +85,10 @@ def _check(fields: dict[str, Any], listening: Listening) -> None:
 def _with_music(
     console: Console, file: Path, fields: dict[str, Any], listening: Listening
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """The fields with tempo and first beat as found, and comments for the TOML file that say how."""
+    """Return the fields with tempo and first beat found, and comments for the TOML file on how they were found."""
     by_hand = {key for key in ("bpm", "first_beat_s") if key in fields}
     recording = asked_entry(file, {"bpm": 120.0, "first_beat_s": 0.0} | fields).recording
-    # whoever sets the anchor counts from the file's first frame, unless she says herself what is left out
+    # a given anchor counts from the file's first frame, unless the dropped frames are given too
     kept = recording.drop_frames if "drop_frames" in fields or "first_beat_s" in by_hand else None
     found = find_sync(
         SyncWish(
@@ -139,7 +139,7 @@ def _say_again(console: Console, fields: dict[str, Any], comments: dict[str, str
 
 
 def _added_frames(entry: AskedEntry, reader: RecordingReader) -> list[tuple[str, str]]:
-    """A doubt if a T-pose was put before the dance and is not left out."""
+    """Return a warning if a T-pose before the dance is not dropped."""
     recording, motion = entry.recording, reader.motion(entry)
     frames = find_beginning(body_tracks(motion, fps=recording.fps, up=recording.up)).drop_frames
     if frames <= recording.drop_frames:

@@ -1,4 +1,4 @@
-"""Steps of the libraries that a command line names: folders, names, variations."""
+"""Lookup of library folders and steps named on the command line."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from live.show.patch.patch_search_path import PATCHES
 
 SKETCH_THRESHOLD_M = 0.16
 RECORDING_THRESHOLD_M = 0.35
-"""How far apart poses may be to be joined [m]: as in a patch, and as with `live play --steps`."""
+"""Maximum pose distance of joins [m]: for sketches as in a patch, for recordings as with `live play --steps`."""
 
 
 def user_library() -> Path:
-    """The folder into which `live steps add` writes where no other is named."""
+    """Return the default folder of `live steps add`."""
     return Path(platformdirs.user_data_dir("choreographics-live")) / "steps"
 
 
 def folders(library: Path | None) -> list[Path]:
-    """The folder that was named, else the user's (if it is there) and the project's."""
+    """Return the given folder, else the user's (if it exists) and the built-in one."""
     if library is not None:
         return [library]
     own = user_library()
@@ -40,11 +40,11 @@ class NamedStep:
 
     @property
     def ways(self) -> list[str]:
-        """The directions in which it is danced."""
+        """The directions of its variations."""
         return list(dict.fromkeys(clip.direction for clip in self.clips))
 
     def told(self, field: str) -> list[str]:
-        """What its variations say for a field, without repeats and silence."""
+        """Return the different non-empty values of a field in its variations."""
         return list(dict.fromkeys(str(getattr(c, field)) for c in self.clips if getattr(c, field) not in ("", None)))
 
     @property
@@ -54,7 +54,7 @@ class NamedStep:
 
 
 def named_steps(library: Path | None) -> list[NamedStep]:
-    """All steps, a folder after the other; a name that came before hides a later one."""
+    """Return all steps, folder by folder; an earlier step hides later ones of the same name."""
     found: dict[str, NamedStep] = {}
     for folder in folders(library):
         clips = load_folder(folder)
@@ -65,7 +65,7 @@ def named_steps(library: Path | None) -> list[NamedStep]:
 
 
 def find_step(steps: Sequence[NamedStep], name: str) -> NamedStep:
-    """The step of that name (capitals, blanks and underscores do not matter); PersonError with the nearest names."""
+    """Return the step of that name, ignoring case, blanks and underscores; PersonError lists the nearest names."""
     for step in steps:
         if plain(step.name) == plain(name):
             return step
@@ -77,6 +77,6 @@ def find_step(steps: Sequence[NamedStep], name: str) -> NamedStep:
 
 
 def threshold_for(steps: Sequence[NamedStep]) -> float:
-    """How far apart the poses of these steps may be to be joined [m]."""
+    """Return the maximum pose distance of joins between these steps [m]."""
     sketched = all(step.folder == PATCHES / "steps" for step in steps)
     return SKETCH_THRESHOLD_M if sketched else RECORDING_THRESHOLD_M

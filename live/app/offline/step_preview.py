@@ -1,4 +1,4 @@
-"""`live steps play`: a step again and again on the stage, a dancer for each variation."""
+"""Preview of a step for `live steps play`: loops the step with a dancer for each variation."""
 
 import math
 from dataclasses import dataclass, replace
@@ -22,21 +22,21 @@ from live.show.patch.section_music import ClockSection
 from live.show.patch.section_stage import CameraSection, StageSection
 
 MOST = 16
-"""Variations shown at once."""
+"""Maximum number of variations shown at once."""
 PER_ROW = 8
 GAP = 1.7
-"""Metres between dancers."""
+"""Distance between dancers [m]."""
 ANY_POSE = 2.0
-"""The step follows itself however far apart its ends are [m]: this is a look at it, not a dance."""
+"""Join threshold [m], so large that the step can loop whatever its ends are."""
 LOOPS = 8
-"""A film without --seconds shows the step so often."""
+"""Number of loops in a film without --seconds."""
 TRAVEL_LOOPS = 4
-"""With --travel there is room on the stage for so many."""
+"""Number of loops for which the stage has room with --travel."""
 
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """What was asked for on the command line."""
+    """Options of the command line."""
 
     step: str
     library: Path | None = None
@@ -54,18 +54,18 @@ class Preview:
 
 @dataclass(frozen=True, slots=True)
 class PreviewWish(Wish):
-    """A wish for a show that was made here instead of read."""
+    """Launch options with a show that is made here instead of loaded."""
 
     show: LoadedShow | None = None
 
     def load(self, *, whole: bool = True) -> LoadedShow:
-        """The show that was made; nothing is read."""
+        """Return the show that was made here."""
         assert self.show is not None
         return self.show
 
 
 def play_step(preview: Preview) -> None:
-    """Show the step in a window, as a film, or without a picture; PersonError if that cannot be."""
+    """Show the step in a window, as a film or headless; raise PersonError if that fails."""
     step = find_step(named_steps(preview.library), preview.step)
     chosen = _chosen(list(step.clips), preview.variation)
     console = Console(stderr=True, highlight=False)
@@ -95,7 +95,7 @@ def play_step(preview: Preview) -> None:
         film_show(wish, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
         console.print(f"the film is here: {preview.film.resolve()}", soft_wrap=True, markup=False)
         return
-    if not preview.headless and not list_monitors():  # play_show makes a film then: give it a name of its own
+    if not preview.headless and not list_monitors():  # play_show then makes a film: name it after the step
         name = "".join(letter if letter.isalnum() else "-" for letter in step.name)
         wish = replace(wish, record=Path(f"{name}.mp4"), seconds=preview.seconds or LOOPS * loop)
     play_show(wish, monitor=preview.monitor, fullscreen=preview.fullscreen, headless=preview.headless)
@@ -111,9 +111,10 @@ def _chosen(clips: list[StepClip], variation: int | None) -> list[tuple[int, Ste
 
 
 def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> LoadedShow:
-    """A show in which every dancer dances her own one of the variations `clips` for ever, in rows side by side.
+    """Return a show in which each dancer loops one of the variations `clips`, in rows side by side.
 
-    On the spot their way is taken out of the clips evenly, as on a treadmill; a light hand keeps them in their places.
+    Unless `travelling`, travel is removed from the clips evenly, as on a treadmill, and a small correction keeps the
+    dancers in place.
     """
     names = [f"{name} {number}" for number in range(1, len(clips) + 1)]
     shown = [
@@ -150,7 +151,7 @@ def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> Loade
 
 
 def on_the_spot(step: StepClip) -> StepClip:
-    """The step without its way: what its hips get forward is taken off evenly over its measures."""
+    """Return the step without travel: the hips' displacement is removed evenly over its measures."""
     samples = np.arange(step.clip.sample_count)
     done = (samples - step.first) / (step.measures * step.samples_per_measure)
     x, z = travel(step)
@@ -160,6 +161,6 @@ def on_the_spot(step: StepClip) -> StepClip:
 
 
 def _camera(width: float, depth: float) -> CameraSection:
-    """A view of dancers within `width` and `depth` [m] at 16:9 through a lens of 36 degrees."""
+    """Return a camera for dancers within `width` and `depth` [m] at 16:9 with a 36 degree field of view."""
     far = max(4.2, 0.5 * width / 0.55) + 0.5 * depth
     return CameraSection(eye=(0.0, 1.3 + 0.12 * far, far), target=(0.0, 0.85, 0.0), field_of_view_deg=36)

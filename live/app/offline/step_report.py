@@ -1,10 +1,6 @@
-"""`live steps list`: the steps of a library as a table or JSON.
+"""Reports of `live steps list`, `show` and `check`: steps as table or JSON, one step in full, and library problems.
 
-`live steps show`: one step in full: what is said of it, what is measured, and what can follow it.
-
-`live steps show STEP --reach OUT.svg|OUT.png`: where one measure of a step can lead, as a picture.
-
-`live steps check`: what is wrong or doubtful in a library, a line each.
+`live steps show STEP --reach OUT.svg|OUT.png` draws the region that one measure of a step can reach.
 """
 
 import json
@@ -41,7 +37,7 @@ from live.show.patch.patch_search_path import PATCHES
 
 
 def row_of(step: NamedStep) -> dict[str, Any]:
-    """A step as JSON: what all its variations say together."""
+    """Return a step as JSON: the values of all its variations."""
     first = step.clips[0]
     distances = [round(clip.distance_m, 3) for clip in step.clips]
     return {
@@ -65,7 +61,7 @@ def row_of(step: NamedStep) -> dict[str, Any]:
 
 
 def print_list(library: Path | None, as_json: bool) -> None:
-    """Print all steps; PersonError if the library cannot be read."""
+    """Print all steps; raise PersonError if the library cannot be read."""
     rows = [row_of(step) for step in named_steps(library)]
     if as_json:
         print(json.dumps(rows, ensure_ascii=False, indent=1))
@@ -106,11 +102,11 @@ def _span(values: list[float]) -> str:
 
 
 CONTACT = " ▁▂▃▄▅▆▇█"
-"""Share of a beat in contact, from none to all of it."""
+"""Characters for a beat's share of contact, from none to all."""
 
 
 def print_step(name: str, library: Path | None, as_json: bool) -> None:
-    """Print all about the step called `name`; PersonError if there is none."""
+    """Print everything about the step called `name`; raise PersonError if there is none."""
     steps = named_steps(library)
     step = find_step(steps, name)
     beats = step.clips[0].beats_per_measure
@@ -133,7 +129,7 @@ def print_step(name: str, library: Path | None, as_json: bool) -> None:
 
 
 def clip_row(number: int, clip: StepClip) -> dict[str, Any]:
-    """One variation as JSON; contacts are shares of each beat, left and right foot."""
+    """Return one variation as JSON; contacts are shares of each beat, left and right foot."""
     slide = foot_slide(clip)
     return {
         "variation": number,
@@ -196,18 +192,18 @@ def _told(row: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 ANY_POSE_M = 1e3
-"""Which measures can follow which does not matter for how far each leads."""
+"""Join threshold [m] for reach pictures, which do not depend on joins."""
 
 
 def check_picture(to: Path) -> None:
-    """PersonError unless the picture could be written."""
+    """Raise PersonError unless the picture could be written."""
     if to.suffix.lower() not in (".svg", ".png"):
         raise PersonError(f"--reach {to}: a name that ends in .svg or .png expected", f"--reach {to.stem}.svg")
     writable_file(to, "--reach")
 
 
 def reach_of_step(name: str, library: Path | None) -> Reach:
-    """The reach of the step called `name`, at its own tempo; PersonError if there is none."""
+    """Return the reach of the step called `name` at its own tempo; raise PersonError if there is none."""
     step = find_step(named_steps(library), name)
     beats = step.clips[0].beats_per_measure
     own = build_library([clip for clip in step.clips if clip.beats_per_measure == beats])
@@ -224,7 +220,7 @@ def write_reach(name: str, library: Path | None, to: Path) -> None:
 
 
 def print_findings(library: Path | None, as_json: bool) -> int:
-    """Print all findings; return how many are errors. PersonError if a folder cannot be read."""
+    """Print all findings; return the number of errors. Raise PersonError if a folder cannot be read."""
     where = folders(library)
     checked = [check_folder(folder) for folder in where]
     if not any(one.steps or one.findings for one in checked):

@@ -1,7 +1,4 @@
-"""`live texture`, the work: reading, making, writing, and what is said of it.
-
-`live steps enrich`: every sketched step gets textured versions, made of motion capture.
-"""
+"""Execution of `live texture` and `live steps enrich`: texturing of sketched motion with motion capture."""
 
 import json
 import time
@@ -31,7 +28,7 @@ from live.motion.texture.texture_synthesis import textured
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The options that are not the method's."""
+    """Options of the command besides the texture settings."""
 
     sketch: str
     places: tuple[Path, ...]
@@ -47,7 +44,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sketch:
-    """The whole clip, and the samples of it that are the step."""
+    """Sketched clip, and the range of samples that is the step."""
 
     clip: Clip
     first: float
@@ -55,7 +52,7 @@ class _Sketch:
 
 
 def make(asked: Asked, wish: Wish) -> None:
-    """Texture the sketch and write a file for each path; PersonError for whatever cannot be."""
+    """Texture the sketch and write a file for each path; raise PersonError if that fails."""
     targets = [asked.out] if wish.paths == 1 else [_numbered(asked.out, n) for n in range(1, wish.paths + 1)]
     for target in targets:
         check_targets(target, asked.report, force=asked.force)
@@ -139,7 +136,7 @@ def enrich_library(
     fps: float | None,
     remove: bool,
 ) -> None:
-    """Write the textured versions of every sketched step, or of `steps`, beside it; or take them away."""
+    """Write textured versions of every sketched step, or of `steps`, next to it; or remove them."""
     console = Console(highlight=False, soft_wrap=True)
     sketches = _sketches(library, steps)
     if remove:
@@ -169,7 +166,7 @@ def enrich_library(
 
 
 def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
-    """Sketch texts by file name, of all folders or of the steps that were named."""
+    """Return sketch texts by file name, of all folders or of the named steps."""
     found: dict[str, str] = {}
     for folder in folders(library):
         found |= read_step_files(folder).sketches

@@ -1,4 +1,4 @@
-"""A character in three moments of a step, side by side, as a show would draw it."""
+"""Picture of a character in three moments of a step, side by side, rendered as in a show."""
 
 from pathlib import Path
 
@@ -20,11 +20,11 @@ from live.render.renderer import Renderer
 MOMENTS = 3
 _APART = 1.6
 _TURNS = (18.0, -28.0, 150.0)
-"""Which way it looks in each moment [degrees]: the last one shows its back."""
+"""Heading in each moment [degrees]; the last one shows the back."""
 
 
 def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple[int, int]) -> None:
-    """Draw the character dancing `step` (None: the first that there is) into a PNG file; PersonError."""
+    """Draw the character in `step` (None: the first step) to a PNG file; raise PersonError if that fails."""
     from io import BytesIO
 
     from PIL import Image

@@ -1,4 +1,4 @@
-"""A formation seen from above, the public below: SVG, drawn by ourselves (Fig 4.4 to 4.6)."""
+"""SVG drawing of a formation from above, audience below (Fig 4.4 to 4.6)."""
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from live.agents.formations.symmetry import SymmetryLine
 Float64 = npt.NDArray[np.float64]
 
 PIXELS: Final = 60.0
-"""Pixels for a metre of a stage that is not wider than `WIDEST`."""
+"""Pixels per metre, for stages not wider than `WIDEST`."""
 WIDEST: Final = 900.0
 TOP: Final = 52.0
 SIDE: Final = 46.0
@@ -27,7 +27,7 @@ SOLOIST: Final = "#d0342c"
 
 
 class _Floor:
-    """Metres on the stage to pixels: x to the right, the public below."""
+    """Conversion of stage metres to pixels: x to the right, audience below."""
 
     def __init__(self, stage: tuple[float, float]) -> None:
         self.scale = min(PIXELS, WIDEST / stage[0])
@@ -54,10 +54,10 @@ def draw_formation(
     title: str = "",
     under: str = "",
 ) -> str:
-    """The SVG of a formation on a stage (width, depth) [m].
+    """Return the SVG of a formation on a stage (width, depth) [m].
 
-    `ways`: the way of each dancer into her place, each (K, 2) [m]; her start is an empty ring. Places numbered in
-    `outside` get a red ring. `title` stands above, `under` below the picture.
+    `ways`: the path of each dancer into their slot, each (K, 2) [m]; an empty ring marks its start. Slots in `outside`
+    get a red ring. `title` is above, `under` below the picture.
     """
     floor = _Floor(stage)
     size = f'width="{floor.width:.0f}" height="{floor.height:.0f}"'
@@ -79,7 +79,7 @@ def draw_formation(
 
 
 def _axis(floor: _Floor, line: SymmetryLine, stage: tuple[float, float]) -> str:
-    """The part of the symmetry line that is on the stage."""
+    """Draw the part of the symmetry line that is on the stage."""
     along = np.linspace(-1.0, 1.0, 2001)[:, None] * (math.hypot(*stage) + float(np.hypot(*line.point))) * line.along
     points = line.point + along
     points = points[(np.abs(points) <= np.array(stage) / 2 + 1e-9).all(axis=1)]
@@ -112,7 +112,7 @@ def _stage(floor: _Floor, stage: tuple[float, float]) -> list[str]:
 
 
 def _dancer(floor: _Floor, formation: Formation, n: int, x: float, z: float, outside: bool) -> list[str]:
-    """A body with a nose where she faces; soloists red and with a star's ring, those over the edge ringed."""
+    """Draw a dancer with a tip in facing direction; soloists red with a dark ring, `outside` with a red ring."""
     soloist = bool(formation.soloist[n])
     colour = SOLOIST if soloist else SECTIONS[max(int(formation.section[n]), 0) % len(SECTIONS)]
     heading = float(formation.heading[n])

@@ -1,7 +1,7 @@
-"""The state machine of a library (Fig 5.11) as a picture: SVG with our own layout, nothing needed but a browser.
+"""SVG drawing of a library's state machine (Fig 5.11).
 
-Steps are circles on a ring, the larger the more clips they have; an arrow leads from a step to each that can follow it,
-wider with the number of joins, which stands on it; a step that can be repeated has a loop. Steps out of reach are grey.
+Steps are circles on a ring, sized by their number of clips. An arrow leads from a step to each step that can follow
+it; its width and number show the number of joins. A step that can be repeated has a loop. Dead steps are grey.
 """
 
 import cmath
@@ -16,12 +16,12 @@ LONGEST_NAME: Final = 24
 _HEAD: Final = 11.0
 """Length of an arrow head."""
 _NUMBERED: Final = 90
-"""With more arrows than this there is no room for their numbers."""
+"""Maximum number of arrows that get numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A circle."""
+    """State of the machine: a step."""
 
     name: str
     words: str
@@ -31,7 +31,7 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """From a state to another or itself, by their indices."""
+    """Arrow from a state to another or itself, by index."""
 
     source: int
     target: int
@@ -39,7 +39,7 @@ class Arrow:
 
 
 def state_machine(states: Sequence[State], arrows: Sequence[Arrow], title: str) -> str:
-    """The picture as SVG text."""
+    """Return the drawing as SVG text."""
     layout = _Layout(states)
     numbered = len(arrows) <= _NUMBERED
     size = 2 * layout.half
@@ -57,12 +57,12 @@ def state_machine(states: Sequence[State], arrows: Sequence[Arrow], title: str) 
 
 
 def _plain(text: str) -> str:
-    """As XML may hold it: no control characters."""
+    """Escape for XML; control characters become blanks."""
     return escape("".join(letter if letter.isprintable() else " " for letter in text))
 
 
 class _Layout:
-    """Where everything is; points of the picture are complex numbers x + iy."""
+    """Layout of circles and arrows; points are complex numbers x + iy."""
 
     def __init__(self, states: Sequence[State]) -> None:
         self._states = states
@@ -76,14 +76,14 @@ class _Layout:
         self._at = [middle + ring * out for out in self._out]
 
     def colour(self, number: int) -> str:
-        """Of a state and the arrows that leave it."""
+        """Return the colour of a state and of the arrows that leave it."""
         if not self._states[number].alive:
             return "#9a9a9a"
         rgb = colorsys.hls_to_rgb(number / len(self._states), 0.38, 0.62)
         return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
 
     def circle(self, number: int) -> str:
-        """A state with its name outside the ring."""
+        """Draw a state with its name outside the ring."""
         state, at, radius, out = self._states[number], self._at[number], self._radius[number], self._out[number]
         colour = self.colour(number)
         text = at + out * (radius + 56.0) + (complex(0.0, -18.0) if out.imag < -0.3 else complex(0.0, 6.0))
@@ -121,7 +121,7 @@ class _Layout:
         return start, start + (bow - start) * 2 / 3, tip + (bow - tip) * 2 / 3, tip
 
     def arrow(self, arrow: Arrow, opacity: float) -> str:
-        """The line and its head."""
+        """Draw an arrow's line and head."""
         start, one, two, tip = self._curve(arrow)
         alive = self._states[arrow.source].alive and self._states[arrow.target].alive
         colour = self.colour(arrow.source) if alive else "#9a9a9a"
@@ -137,7 +137,7 @@ class _Layout:
         )
 
     def number(self, arrow: Arrow) -> str:
-        """How many joins, on the line, nearer to where it comes from: the way back has its own number."""
+        """Draw the number of joins on the line near its source, as the opposite arrow has its own number."""
         start, one, two, tip = self._curve(arrow)
         t = 0.5 if arrow.source == arrow.target else 0.3
         s = 1.0 - t

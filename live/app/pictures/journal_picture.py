@@ -1,4 +1,4 @@
-"""A journal as a picture: measures and tempo over time, and a row for each kind of event from each source."""
+"""Drawing of a journal: measures and tempo over time, and a row for each kind of event from each source."""
 
 from itertools import pairwise
 from typing import Final
@@ -8,7 +8,7 @@ from live.clock.ticks import TICK
 from live.show.journal.journal_reader import Survey
 
 LEFT, RIGHT, ROW, HEAD, CURVE = 220, 24, 18, 56, 70
-"""Pixels: names, right edge, height of a row, above the first row, height of the tempo's curve."""
+"""Pixels: width of names, right margin, row height, space above the first row, height of the tempo curve."""
 WIDTH: Final = 1600
 INK, FAINT, RED = "#222222", "#dddddd", "#c03030"
 COLOURS: Final = ("#1f4e8c", "#b8562b", "#3f7f4f", "#7a4a93", "#8a7a20", "#2b8a94", "#a03060", "#555555")
@@ -16,12 +16,12 @@ STEPS: Final = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048)
 
 
 def size_of(survey: Survey) -> tuple[int, int]:
-    """Width and height of the picture [pixels]."""
+    """Return width and height of the picture [pixels]."""
     return WIDTH, HEAD + CURVE + ROW * (len(survey.events) + 2)
 
 
 def draw_journal(survey: Survey, canvas: Canvas) -> None:
-    """Draw it; events that fall on the same pixel are one line."""
+    """Draw the journal; events on the same pixel are one line."""
     scale = (WIDTH - LEFT - RIGHT) / max(survey.ticks, 1)
     bottom = size_of(survey)[1] - ROW
 
@@ -51,7 +51,7 @@ def draw_journal(survey: Survey, canvas: Canvas) -> None:
 
 
 def _numbered(survey: Survey, scale: float) -> list[tuple[int, int]]:
-    """Measures that are named: so many that their numbers do not touch."""
+    """Return tick and number of the measures to label, spaced so that labels do not touch."""
     whole = len(survey.measure)
     if not whole:
         return []

@@ -1,4 +1,4 @@
-"""The reachable region of a step as a picture, seen from above (Fig 5.7b): SVG or PNG, drawn by ourselves."""
+"""Drawing of a step's reachable region from above (Fig 5.7b), and canvases for SVG and PNG."""
 
 import io
 import math
@@ -24,27 +24,27 @@ INK, FAINT, TURNED, MIXED, CLIP, MISSING = "#222222", "#d9d9d9", "#e3ecf7", "#7f
 
 
 class Canvas(Protocol):
-    """What the picture needs to be drawn on; points in pixels, y downwards."""
+    """Drawing surface; points in pixels, y downwards."""
 
     def polygon(self, points: list[Point], fill: str) -> None:
-        """A filled polygon."""
+        """Draw a filled polygon."""
 
     def line(self, a: Point, b: Point, colour: str, width: float, dashed: bool = False) -> None:
-        """A straight line."""
+        """Draw a straight line."""
 
     def circle(self, centre: Point, radius: float, fill: str | None, colour: str | None = None) -> None:
-        """A circle, filled or only its line."""
+        """Draw a circle, filled or outlined."""
 
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
-        """Words whose start, middle or end lies at the point, on their base line."""
+        """Draw text whose start, middle or end is at the point, on its base line."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Scale:
-    """Metres as the dancer sees them, x to her left and z ahead, to pixels: ahead is up, her left is left."""
+    """Conversion of metres in the dancer's frame (x left, z ahead) to pixels: ahead is up, left is left."""
 
     metres: float
-    """From the centre to the edge."""
+    """Distance from the centre to the edge [m]."""
 
     def at(self, way: Float64 | Point) -> Point:
         pixels = 0.42 * SIZE / self.metres
@@ -55,7 +55,7 @@ class _Scale:
 
 
 def draw_reach(reach: Reach, canvas: Canvas) -> None:
-    """Rings at every quarter or half metre, the region with turns, mixtures, clips, and what is missing."""
+    """Draw rings every quarter or half metre, the region with turns, mixtures, clips, and missing directions."""
     everything = np.concatenate([reach.clips, reach.mixed, reach.turned.reshape(-1, 2)])
     scale = _Scale(max(0.25, 1.05 * float(np.hypot(*everything.T).max(initial=0.0))))
     canvas.polygon([scale.at(way) for way in outline(reach.turned.reshape(-1, 2))], TURNED)
@@ -71,14 +71,14 @@ def draw_reach(reach: Reach, canvas: Canvas) -> None:
         canvas.circle(scale.at(way), 5.0, CLIP)
     _draw_missing(reach, scale, canvas)
     x, y = scale.at((0.0, 0.0))
-    canvas.polygon([(x, y - 13), (x - 8, y + 8), (x + 8, y + 8)], INK)  # she faces up
+    canvas.polygon([(x, y - 13), (x - 8, y + 8), (x + 8, y + 8)], INK)  # the dancer faces up
     canvas.text((16, 28), f"{reach.step[:LONGEST_NAME]}: where one measure leads", 19, INK)
     words = "large dots: clips, small: mixtures, shaded: turned by up to 90°"
     canvas.text((16, 50), words + ("; red: nothing recorded" if reach.missing else ""), 12, "#555555")
 
 
 def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
-    """A dashed line in every direction in which there is nothing."""
+    """Draw a dashed line in every direction without clips."""
     for name in reach.missing:
         angle = DIRECTION_NAMES.index(name) * ARC
         end = (0.97 * scale.metres * math.sin(angle), 0.97 * scale.metres * math.cos(angle))
@@ -89,7 +89,7 @@ def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
 
 
 def outline(ways: Float64) -> list[Point]:
-    """The border of what is reached, seen from the middle: the farthest of `ways` (n, 2) in each of many sectors."""
+    """Return the region's border: the farthest of `ways` (n, 2) from the centre in each of `SECTORS` sectors."""
     heading = np.arctan2(ways[:, 0], ways[:, 1])
     sector = np.round(heading / (2.0 * math.pi) * SECTORS).astype(np.int64) % SECTORS
     radius = np.zeros(SECTORS)
@@ -137,7 +137,7 @@ class SvgCanvas:
 
 
 class PngCanvas:
-    """Draws with pillow, twice as large, and makes it smaller at the end: edges are smooth."""
+    """Draws with Pillow at twice the size and scales down at the end, for smooth edges."""
 
     FINE = 2
 

@@ -1,4 +1,4 @@
-"""The drawn score: measures as boxes in rows, as a music sheet, a system of so many measures below the other."""
+"""SVG drawing of a score: measures as boxes, in systems of some measures below each other."""
 
 from html import escape
 from typing import TYPE_CHECKING, Final
@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from live.show.score.score_sheet import Box, Sheet, Track
 
 WIDTH: Final = 64
-"""Of a measure [pixels]."""
+"""Width of a measure [pixels]."""
 HEIGHT: Final = 20
 LEFT: Final = 110
 GAP: Final = 26
@@ -18,7 +18,7 @@ FILLS: Final = {
 
 
 def score_picture(sheet: "Sheet", colours: list[str], *, per_row: int = 16) -> str:
-    """The sheet as SVG; `colours` of the groups as #rrggbb."""
+    """Return the sheet as SVG; `colours`: of the groups as #rrggbb."""
     systems = [(first, min(first + per_row, sheet.measures)) for first in range(0, sheet.measures, per_row)]
     parts, top = [], 44.0
     for first, end in systems:
@@ -40,7 +40,7 @@ def score_picture(sheet: "Sheet", colours: list[str], *, per_row: int = 16) -> s
 
 
 def _system(sheet: "Sheet", first: int, end: int, top: float, colours: list[str]) -> tuple[list[str], float]:
-    """The measures from `first` to before `end`, `top` [pixels] below the edge; the parts and their height."""
+    """Draw measures `first` to before `end`, `top` [pixels] below the edge; return the elements and their height."""
     parts = [
         f'<text x="{_x(measure, first) + 2}" y="{top + 11:.0f}" fill="#888">{measure + 1}</text>'
         for measure in range(first, end)
@@ -67,7 +67,7 @@ def _x(measure: int, first: int) -> int:
 
 
 def _lanes(boxes: "list[Box]") -> "list[tuple[int, Box]]":
-    """Boxes that lie over one another, one below the other."""
+    """Assign overlapping boxes to lanes below each other."""
     free: list[int] = []
     placed = []
     for box in sorted(boxes, key=lambda each: each.first):

@@ -1,4 +1,4 @@
-"""A contact sheet: the pictures of a show in rows, each with what was danced in it."""
+"""Contact sheet: pictures of a show in rows with measure, section, cue and steps under each."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -14,7 +14,7 @@ Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 TALLEST: Final = 30_000
-"""Pixels that a sheet may be high: more are opened by few programs."""
+"""Maximum height of a sheet [pixels]: few programs open larger pictures."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ LIGHT: Final = Paper((247, 245, 240), (30, 29, 27), (128, 124, 117), (178, 96, 2
 
 
 class Sheet:
-    """Lays pictures of one size (width, height) [pixels] out in so many columns."""
+    """Arranges pictures of one size (width, height) [pixels] in columns."""
 
     def __init__(self, size: tuple[int, int], columns: int, paper: Paper) -> None:
         self._size, self._columns, self._paper = size, columns, paper
@@ -45,7 +45,7 @@ class Sheet:
         }
 
     def draw(self, pictures: list[tuple[Picture, Taken]], title: str, told: str) -> Image.Image:
-        """The sheet; `told` stands small beside the title."""
+        """Draw the sheet; `told`: small text next to the title."""
         width, height = self.measures(len(pictures))
         image = Image.new("RGB", (width, height), self._paper.ground)
         pen = ImageDraw.Draw(image)
@@ -65,14 +65,14 @@ class Sheet:
         return image
 
     def measures(self, count: int) -> tuple[int, int]:
-        """Width and height of the sheet of so many pictures [pixels]."""
+        """Return width and height [pixels] of a sheet of `count` pictures."""
         rows = -(-count // self._columns)
         columns = min(self._columns, max(count, 1))
         width = 2 * self._margin + columns * (self._size[0] + self._gap) - self._gap
         return width, self._head + rows * (self._size[1] + self._words + self._gap) - self._gap + self._margin
 
     def _tell(self, pen: ImageDraw.ImageDraw, corner: tuple[int, int], taken: Taken, last: Taken | None) -> None:
-        """The words under a picture, whose lower left corner this is."""
+        """Draw the text under a picture with this lower left corner."""
         u, paper, fonts = self._unit, self._paper, self._fonts
         left, right, top = corner[0], corner[0] + self._size[0], corner[1]
         fresh = last is None or last.section != taken.section
@@ -110,7 +110,7 @@ class Sheet:
             x += each
 
     def _fitting(self, pen: ImageDraw.ImageDraw, words: str, room: float, font: str) -> str:
-        """As much of the words as there is room for."""
+        """Return the text, shortened to fit `room` [pixels]."""
         words = readable(words)
         if pen.textlength(words, self._fonts[font]) <= room:
             return words
@@ -120,7 +120,7 @@ class Sheet:
 
 
 def shown(colour: tuple[float, float, float]) -> Colour:
-    """A linear colour in sRGB (IEC 61966-2-1)."""
+    """Convert a linear colour to sRGB (IEC 61966-2-1)."""
     light = np.clip(np.array(colour), 0.0, 1.0)
     value = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     red, green, blue = (int(one) for one in np.round(255.0 * value))

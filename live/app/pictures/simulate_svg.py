@@ -1,4 +1,4 @@
-"""The ways of a crowd from above, as SVG: audience below, everybody's hue after where she goes."""
+"""SVG drawing of a crowd's paths from above: audience below, hue by direction to the goal."""
 
 import colorsys
 import math
@@ -10,11 +10,11 @@ if TYPE_CHECKING:
 LONGEST: Final = 1000.0
 """Longer side of the picture [pixels]."""
 EVERY: Final = 8
-"""Ticks from one point of a way to the next: an eighth of a second."""
+"""Ticks between two points of a path: an eighth of a second."""
 
 
 def ways_picture(scenario: "Scenario", time: "Float64", position: "Float64") -> str:
-    """The picture of a run: rings are starts, crosses goals, dots where everybody stood in the end."""
+    """Return the SVG of a run: rings are starts, crosses are goals, dots are final positions."""
     left, top, width, height = _frame(scenario, position)
     line = 0.02 * max(1.0, max(width, height) / 20.0)
     scale = LONGEST / max(width, height)
@@ -52,7 +52,7 @@ def ways_picture(scenario: "Scenario", time: "Float64", position: "Float64") -> 
 
 
 def _frame(scenario: "Scenario", position: "Float64") -> tuple[float, float, float, float]:
-    """Left, top, width and height [m] that hold everything, with a margin."""
+    """Return left, top, width and height [m] around everything, with a margin."""
     corners = [*scenario.start, *scenario.last_goal, *scenario.walls[:, :2], *scenario.walls[:, 2:]]
     if scenario.stage is not None:
         corners += [scenario.stage[:2], scenario.stage[2:]]

@@ -42,7 +42,7 @@ BEGINNERS: Final = ("engine", "standby")
 
 
 def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
-    """Run in the role that the supervisor assigns. `loaded`, `show`: already loaded if forked from the prefork process."""
+    """Run in the role that the supervisor assigns. `loaded`, `show`: inherited from the prefork process, if any."""
     brief = lifeline.brief()
     played = Played.unpacked(brief.show)
     console = Console(stderr=True, highlight=False)
@@ -277,9 +277,7 @@ def _listening(host: str, port: int) -> socket.socket:
     try:
         return socket.create_server((host, port), family=family, backlog=16)
     except OSError as error:
-        raise PersonError(
-            f"--lead: cannot listen at {host}:{port}: {error.strerror}", "choose another port"
-        ) from None
+        raise PersonError(f"--lead: cannot listen at {host}:{port}: {error.strerror}", "choose another port") from None
 
 
 def _memory() -> int:

@@ -37,9 +37,7 @@ class Identity:
         """Return the warnings at `now`, if phones are given `host`."""
         found = list(self.doubts)
         if now < self.begins:
-            found.append(
-                f"the certificate is valid from {self.begins:%Y-%m-%d %H:%M} UTC: phones refuse it until then"
-            )
+            found.append(f"the certificate is valid from {self.begins:%Y-%m-%d %H:%M} UTC: phones refuse it until then")
         if now >= self.ends:
             found.append(f"the certificate expired on {self.ends:%Y-%m-%d %H:%M} UTC: phones show a warning; renew it")
         elif self.ends - now < SOON:
@@ -135,7 +133,7 @@ def _read(path: Path, name: str) -> bytes:
     try:
         data = read_plain(path, LARGEST)
     except OSError as error:
-        remedy = f"chown it to the user who plays the show, and chmod 600 {path}" if isinstance(error, PermissionError) else None
+        remedy = f"chown it to the show's user, and chmod 600 {path}" if isinstance(error, PermissionError) else None
         raise PersonError(f"{name}: cannot read {path}: {error.strerror}", remedy) from None
     except ValueError:
         raise PersonError(f"{name}: cannot read {path}: not a valid file name") from None

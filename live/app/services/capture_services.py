@@ -29,7 +29,7 @@ def parse_psn(text: str, name: str = "--psn") -> tuple[str, int, str]:
     try:
         card = str(ipaddress.IPv4Address(match[2])) if match[2] else ""
     except ValueError:
-        raise PersonError(f"{name} {text!r}: {match[2]} is not an address of a network card", f"{name} {GROUP}:{PORT}") from None
+        raise PersonError(f"{name} {text!r}: {match[2]} is not an IPv4 address", f"{name} {GROUP}:{PORT}") from None
     return *parse_endpoint(with_port(match[1], PORT), name), card
 
 

@@ -1,1 +1,1 @@
-"""Energy measures loudness and finds build-ups and drops. It may import what `clock` may."""
+"""Loudness measurement and detection of build-ups and drops. It may import what `clock` may."""

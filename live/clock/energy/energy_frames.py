@@ -1,7 +1,4 @@
-"""EnergyFrames: a stream of samples, cut into frames, and what they come to until somebody asks.
-
-Range: where a value lies among those that this room has shown so far.
-"""
+"""Energy features of an audio stream, accumulated over frames, and ranges that normalise them to 0 to 1."""
 
 import math
 from dataclasses import dataclass
@@ -16,35 +13,35 @@ from live.clock.energy.k_weighting import decibels, k_weight
 Samples = npt.NDArray[np.float32]
 
 WINDOW: Final = 0.0464
-"""Wanted length of a frame [s]; it is the power of two of samples that comes nearest."""
+"""Approximate length of a frame [s]; rounded to a power of two of samples."""
 
 HOP: Final = 0.75
-"""A frame begins after so much of the one before: three quarters cost a third less than the usual half."""
+"""Hop as a share of the frame length: three quarters cost a third less than the usual half."""
 
 BANDS_HZ: Final = (30, 60, 100, 160, 250, 400, 630, 1000, 1600, 2500, 4000, 6300, 10_000, 16_000)
 LOW_BANDS: Final = 2
-"""The first bands, to 100 Hz, are the bass."""
+"""Number of bass bands (to 100 Hz)."""
 
 ONSET_RISE: Final = 1.7
-"""An onset rises so many times more than frames usually do ..."""
+"""An onset rises more than frames usually do by this factor ..."""
 
 ONSET_LEAST: Final = 0.12
-"""... and by this at least [nepers, mean of the bands]."""
+"""... and at least by this [nepers, mean of the bands]."""
 
 ONSET_APART: Final = 1
-"""Frames between onsets at least (70 ms)."""
+"""Minimum number of frames between onsets (70 ms)."""
 
 USUAL: Final = 0.03
-"""Share of each frame in the usual rise (time constant about 1.2 s)."""
+"""Weight of each frame in the usual rise (time constant about 1.2 s)."""
 
 
 UNHEARD: Final = 0.01
-"""A band with less than this share of the usual power per bin (-20 dB) makes no onsets."""
+"""A band with less than this share of the usual power per bin (-20 dB) gives no onsets."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """What a stretch of music was like."""
+    """Mean features of a stretch of music."""
 
     seconds: float
     loudness: float
@@ -52,19 +49,19 @@ class Heard:
     low: float
     """Loudness of the bass [dB]."""
     octave: float
-    """Where the spectrum's centre lies, octaves over 1 kHz; meaningless in silence."""
+    """Spectral centroid in octaves above 1 kHz; meaningless in silence."""
     onsets: int
-    """How often something began."""
+    """Number of onsets."""
 
 
 class EnergyFrames:
-    """Feeds blocks of any length; nothing of sound's size is allocated after it was made."""
+    """Cuts blocks of any length into frames; allocates no audio-sized arrays after its creation."""
 
     def __init__(self, sample_rate: float) -> None:
         self.sample_rate = sample_rate
         size = 1 << round(math.log2(sample_rate * WINDOW))
         self.hop = int(HOP * size)
-        """Samples from frame to frame."""
+        """Hop size in samples."""
         self._kept = size - self.hop
         self._history = np.zeros(size, np.float32)
         self._filled = 0
@@ -94,7 +91,8 @@ class EnergyFrames:
         return self._frames * self.hop / self.sample_rate
 
     def take(self, samples: Samples, start: int) -> int:
-        """Take samples[start:], shape (n,), up to the end of the frame, which then is read; returns how many."""
+        """Take samples[start:], shape (n,), up to the end of the frame, and analyse a full frame; return the number
+        taken."""
         taken: int = min(self.hop - self._filled, samples.shape[0] - start)
         append(self._history, self._kept + self._filled, samples, start, taken)
         self._filled += taken
@@ -105,7 +103,7 @@ class EnergyFrames:
         return taken
 
     def cut(self) -> Heard:
-        """What was heard since the last call; of less than a frame, what was heard before."""
+        """Return the features since the last call; if no frame was completed, those of the last call."""
         if not self._count:
             return self._heard
         total, count = self._sum, self._count
@@ -141,7 +139,7 @@ class EnergyFrames:
 
 
 def _window(size: int, shared: int) -> Samples:
-    """A window whose squares add up to 1 where frames share samples, so that no moment counts more than another."""
+    """Return a window whose squares add up to 1 where frames overlap, so that all moments have equal weight."""
     window = np.ones(size, np.float32)
     slope = np.sin(0.5 * np.pi * (np.arange(shared) + 0.5) / shared)
     window[:shared], window[-shared:] = slope, slope[::-1]
@@ -149,26 +147,26 @@ def _window(size: int, shared: int) -> Samples:
 
 
 FORGET: Final = 0.003
-"""Share by which the ends come together with each value."""
+"""Share by which the range narrows with each value."""
 
 RISES: Final = 0.5
-"""Share of the way that an end goes with a value beyond it, so that single values count for less."""
+"""Share of the distance that an end moves to a value outside, so that single values count for less."""
 
 
 class Range:
-    """A lowest and a highest value that widen at once and narrow slowly; values come as 0 to 1 between them."""
+    """An adaptive range that widens at once and narrows slowly; it maps values to 0 to 1."""
 
     def __init__(self, narrowest: float, widest: float, *, first: float = 1.0) -> None:
-        """`narrowest`, `widest`: of the range. `first`: where in it the first value lies, 0 to 1."""
+        """`narrowest`, `widest`: limits of the range. `first`: position of the first value in it, 0 to 1."""
         self._narrowest, self._widest, self._first = narrowest, widest, first
         self.low = self.high = 0.0
         """The ends."""
         self._known = False
 
     def add(self, value: float, *, lowest: bool = True) -> float:
-        """Widen the range to a value, and say where it lies, 0 to 1. `lowest`: whether it may lower the range.
+        """Widen the range to a value and return its position, 0 to 1. `lowest`: whether it may lower the range.
 
-        So that pauses, which are no quiet music, do not.
+        Pauses must not lower it, as they are no quiet music.
         """
         if not self._known:
             self._known = True

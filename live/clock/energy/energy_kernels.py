@@ -1,4 +1,4 @@
-"""The compiled step of energy: what one spectrum says."""
+"""Kernels for energy features: sample buffering and analysis of one spectrum."""
 
 import math
 
@@ -21,12 +21,12 @@ POWER = 5
 OUT = 6
 
 LOUDEST = 64.0
-"""Samples beyond this are no sound but a fault, and become 0 (full scale is 1)."""
+"""Samples beyond this are faulty and become 0 (full scale is 1)."""
 
 
 @kernel("void(f4[::1],i8,f4[::1],i8,i8)")
 def append(history: Floats, at: int, samples: Floats, start: int, count: int) -> None:
-    """Copy `count` samples from `samples[start:]` to `history[at:]`, faults (NaN, too) as 0."""
+    """Copy `count` samples from `samples[start:]` to `history[at:]`; faulty samples (also NaN) become 0."""
     for index in range(count):
         value = samples[start + index]
         history[at + index] = value if abs(value) <= LOUDEST else 0.0
@@ -43,13 +43,13 @@ def describe(
     before: Floats,
     out: Doubles,
 ) -> None:
-    """Read one spectrum, shape (K,).
+    """Analyse one spectrum, shape (K,).
 
-    `weight` (K,) gives each bin's share of the K-weighted mean square, `octave` (K,) where it lies. `edges` (B + 1,)
-    are the first bins of B bands; the first `low_bands` are the bass. `floor`: power per bin that nobody hears beside
+    `weight` (K,) gives each bin's share of the K-weighted mean square, `octave` (K,) its position. `edges` (B + 1,)
+    are the first bins of B bands; the first `low_bands` are the bass. `floor`: power per bin that is inaudible next to
     the rest. `before` (B,) holds the bands' last levels and takes the new ones. `out` (OUT,) gets: K-weighted power,
-    power of the bass, the sum of octaves weighted by magnitude, the sum of magnitudes, how much the bands rose on the
-    average [nepers over the floor], and the power per bin.
+    power of the bass, the sum of octaves weighted by magnitude, the sum of magnitudes, the mean rise of the bands
+    [nepers over the floor], and the power per bin.
     """
     loud = low = octaves = magnitudes = rise = whole = 0.0
     for band in range(edges.shape[0] - 1):

@@ -1,4 +1,4 @@
-"""MusicEnergy: samples and the beats found in them in; what each beat was like out."""
+"""Energy features per beat, from audio samples and the beats detected in them."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -10,26 +10,26 @@ from live.clock.energy.energy_frames import EnergyFrames, Range
 from live.clock.energy.music_structure import SILENT_DB, Structure
 
 USUAL_PERIOD: Final = 0.5
-"""Seconds that count as a beat while none is known."""
+"""Assumed beat period while none is known [s]."""
 
 SHORTEST: Final = 0.15
 LONGEST: Final = 3.0
-"""Seconds of a beat."""
+"""Bounds of beat periods [s]."""
 
 NEAR: Final = 0.5
-"""A beat that is named within this share of a period of the one expected is that one."""
+"""A reported beat within this share of a period of the expected one is that beat."""
 
 
 @dataclass(frozen=True, slots=True)
 class BeatEnergy:
-    """What one beat was like; times are seconds from the first sample."""
+    """Features of one beat; times are seconds from the first sample."""
 
     begin: float
     end: float
     loudness: float
-    """0 to 1 in the range heard so far."""
+    """0 to 1 in the range measured so far."""
     density: float
-    """Onsets in it."""
+    """Number of onsets."""
     brightness: float
     """0 to 1."""
     low: float
@@ -41,7 +41,7 @@ class BeatEnergy:
 
 
 class MusicEnergy:
-    """Cuts the sound at the beats. Thread: one at a time."""
+    """Cuts the audio at the beats. Thread: one at a time."""
 
     def __init__(self, sample_rate: float) -> None:
         self._frames = EnergyFrames(sample_rate)
@@ -55,22 +55,22 @@ class MusicEnergy:
 
     @property
     def position(self) -> float:
-        """Seconds of sound heard."""
+        """Seconds of audio analysed."""
         return self._frames.position
 
     def beat(self, position: float, period: float) -> None:
-        """A beat lies, or will lie, at `position` [s], and the next one `period` [s] later."""
+        """Set a beat at `position` [s] (past or future) and the period [s] to the next one."""
         if not SHORTEST <= period <= LONGEST:
             return
         self._period = period
-        # of all beats that follow from it, the one nearest to what is expected
+        # of all beats extrapolated from it, the one nearest to the expected one
         beats = round((self._next - position) / period)
         nearest = position + beats * period
         if abs(nearest - self._next) <= NEAR * period and nearest > self._begin + NEAR * period:
             self._next = nearest
 
     def feed(self, samples: npt.NDArray[np.float32]) -> list[BeatEnergy]:
-        """Take samples, shape (n,); the beats that ended with them, oldest first."""
+        """Process samples, shape (n,); return the beats that ended with them, oldest first."""
         ended: list[BeatEnergy] = []
         start = 0
         while start < samples.shape[0]:

@@ -1,4 +1,4 @@
-"""Structure: build-ups, which rise over several beats, and drops, with which the bass comes back."""
+"""Detection of build-ups, which rise over several beats, and drops, where the bass returns."""
 
 from typing import Final
 
@@ -10,66 +10,67 @@ from live.clock.energy.energy_frames import Heard
 Float64 = npt.NDArray[np.float64]
 
 SPANS: Final = (4, 8, 16)
-"""Beats over which a build-up is looked for."""
+"""Lengths over which a build-up is searched [beats]."""
 
 RISE_DB: Final = 6.0
 RISE_OCTAVES: Final = 0.7
 RISE_DENSITY: Final = 1.0
-"""What a whole build-up gains: loudness, brightness, onsets a second (in octaves: doubled)."""
+"""Gain of a full build-up: loudness, brightness, onsets a second (in octaves: doubled)."""
 
 MOST_DENSITY: Final = 0.7
-"""Onsets are counted badly: they count for so much at most ..."""
+"""Onset counts are unreliable: they contribute at most this ..."""
 
 LEAST: Final = 0.5
 """... and the other two must rise by this."""
 
 STEADY: Final = 0.6
-"""More than this share of a rise within one beat is a step, and no build-up."""
+"""More than this share of a rise within one beat is a step, not a build-up."""
 
 STRAIGHT: Final = 0.5
-"""Share of what happens that the straight rise must explain (R²)."""
+"""Share of the variance that the linear rise must explain (R²)."""
 
 BUILT: Final = 0.5
-"""From here on a build-up counts."""
+"""Minimum value of a build-up that counts."""
 
 GONE_DB: Final = 8.0
-"""A bass this much weaker is gone ..."""
+"""The bass is gone if it is this much weaker ..."""
 
 BACK_DB: Final = 7.0
-"""... and this near to the strongest it is back."""
+"""... and back if it is this near to its maximum."""
 
 CARRIES_DB: Final = 12.0
-"""A bass that much softer than the whole carries nothing: what is lowest in a tune without bass comes and goes."""
+"""A bass this much softer than the whole is ignored: the lowest notes of a tune without bass come and go."""
 
 BUILT_BEATS: Final = 4
-"""Beats without bass that make a break after a build-up of eight or more ..."""
+"""Beats without bass that make a break after a build-up of eight beats or more ..."""
 
 BREAK_BEATS: Final = 7
-"""... and without one, if before them, too,"""
+"""... and without a build-up, if before them"""
 
 GROOVE_BEATS: Final = 8
 GROOVE_WITH: Final = 6
-"""of so many beats so many had the bass: whose bass comes and goes has no drops. (A piece that builds up before it ever
-had a bass drops as well.)"""
+"""this many of `GROOVE_BEATS` beats had bass: music with intermittent bass has no drops. (A piece that builds up before
+its first bass has a drop as well.)
+"""
 
 AGAIN: Final = 16
-"""Beats from one drop to the next at least."""
+"""Minimum number of beats between drops."""
 
 SILENT_DB: Final = -60.0
-"""Music is louder."""
+"""Level below which a beat is silent."""
 
 NOTHING_DB: Final = -200.0
-"""The bass of beats that never were."""
+"""Bass level before the first beat."""
 
 FORGET: Final = 16
-"""Beats of silence after which another piece begins."""
+"""Beats of silence after which a new piece begins."""
 
 REMEMBERED: Final = 64
-"""Beats: a break is no longer."""
+"""Maximum length of a break [beats]."""
 
 
 class Structure:
-    """Takes what every beat was like, in order."""
+    """Detects build-ups and drops from the features of each beat, in order."""
 
     def __init__(self) -> None:
         self._beats = np.zeros((max(SPANS), 3))
@@ -80,12 +81,12 @@ class Structure:
         self._since_drop = AGAIN
         self._silent = 0
         self.build = 0.0
-        """How far a build-up has come, 0 to 1."""
+        """Progress of a build-up, 0 to 1."""
         self.drop = False
-        """Whether the bass came back with the last beat."""
+        """Whether the bass returned with the last beat."""
 
     def add(self, heard: Heard) -> None:
-        """One more beat."""
+        """Add the features of a beat."""
         if heard.loudness < SILENT_DB:
             self._silent += 1
             if self._silent >= FORGET:
@@ -105,7 +106,7 @@ class Structure:
         self._bass = max(self._bass - 0.05, heard.low)
         if self.drop:
             self._since_drop = self._built = 0
-            self._count = 1  # what was before is no part of what builds up now
+            self._count = 1  # the beats before are not part of the next build-up
             self.build = 0.0
             return
         rising = [self._rising(span) for span in SPANS if self._count >= span]
@@ -114,7 +115,7 @@ class Structure:
         self._built = 4 if long >= BUILT else max(self._built - 1, 0)
 
     def _drops(self, before: Float64, low: float) -> bool:
-        """Whether the bass `low` [dB] comes back now; `before`: that of the beats before, oldest first."""
+        """Whether the bass `low` [dB] returns now; `before`: levels of the beats before, oldest first."""
         there = max(self._bass - BACK_DB, SILENT_DB)
         if self._since_drop < AGAIN or low < there:
             return False
@@ -130,7 +131,7 @@ class Structure:
         return gone >= BREAK_BEATS and steady
 
     def _rising(self, span: int) -> float:
-        """How far a build-up has come over the last `span` beats, 0 to 1."""
+        """Return the progress of a build-up over the last `span` beats, 0 to 1."""
         beats = self._beats[-span:]
         loudness, octave, density = (beats - beats[0]).T
         heard = loudness / RISE_DB + octave / RISE_OCTAVES

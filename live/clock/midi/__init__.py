@@ -1,4 +1,4 @@
-"""MIDI beat clock and MIDI time code: pulses in, tempo and position out, and the other way round.
+"""MIDI beat clock and MIDI time code: decoding of pulses to tempo and position, and generation of pulses.
 
 It may import what `clock` may.
 """

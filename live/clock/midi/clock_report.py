@@ -1,4 +1,4 @@
-"""ClockReport: a recorded MIDI clock through the real decoder, and how far its beats are from the true ones."""
+"""Evaluation of the MIDI clock decoder: replays a recorded clock and measures the errors of its beats."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -10,41 +10,41 @@ import numpy as np
 from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
 
 POLL: Final = 0.1
-"""Seconds between two looks for what did not come."""
+"""Seconds between two checks for missing pulses."""
 
 LONGEST: Final = 20_000
-"""Beats that are named of one estimate at most, some hours: nobody looks at those of a recording that was left on."""
+"""Maximum number of beats extrapolated from one estimate (some hours), for recordings that were left on."""
 
 LOOKS: Final = 100
-"""After so many looks in vain no more of them finds anything new, however long a recording pauses."""
+"""Maximum number of checks in one gap; further ones find nothing new."""
 
 SETTLED: Final = 8
-"""Beats after a start or jump from which on tempo and phase are held against their bars."""
+"""Beats after a start or jump from which on tempo and phase errors count."""
 
 TEMPO_STEP: Final = 0.05
 TEMPO_RIGHT: Final = 0.01
-"""Shares of the tempo: a change of more is a step, an error of less is right."""
+"""Relative tempo changes: a larger change than the first is a step, a smaller error than the second is correct."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedBeat:
-    """A beat as the decoder last named it before it fell."""
+    """A beat as last reported by the decoder before it fell."""
 
     time: float
     emitted: float
-    """When that was known [s]."""
+    """Time of that report [s]."""
     bpm: float
     beat: int
     """From 0; -1 if unknown."""
     measure: int
     """From 0; -1 if unknown."""
     first_time: float
-    """Where it was thought to fall a whole beat ahead [s]; NaN where it was not named then."""
+    """Its predicted time a whole beat ahead [s]; NaN if it was not reported then."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrueBeat:
-    """A beat of the truth: seconds, beat of its measure from 0, bpm."""
+    """A beat of the ground truth: seconds, beat of its measure from 0, bpm."""
 
     time: float
     beat: int
@@ -53,29 +53,30 @@ class TrueBeat:
 
 @dataclass(frozen=True, slots=True)
 class ClockErrors:
-    """Errors against the truth. Milliseconds after the mean delay was removed; tempo in bpm; shares of all beats."""
+    """Errors against the ground truth. Milliseconds after removal of the mean delay; tempo in bpm; shares of all
+    beats."""
 
     beats: int
     found: float
-    """Share of the true beats that have a named one within 70 ms."""
+    """Share of the true beats with a reported beat within 70 ms."""
     extra: int
-    """Named beats that are none."""
+    """Reported beats without a true one."""
     measure_right: float
-    """Share of the true beats whose number in the measure was told rightly."""
+    """Share of the true beats whose number in the measure was correct."""
     mean_delay_ms: float
     phase_p95_ms: float
     phase_max_ms: float
     ahead_p95_ms: float
-    """As named a whole beat ahead."""
+    """95th percentile of the errors of predictions a whole beat ahead."""
     tempo_p95_bpm: float
     tempo_max_bpm: float
     step_beats: int
-    """Most beats until the tempo was within 1 % again after a step of the truth; 0 without steps."""
+    """Maximum number of beats until the tempo was within 1 % after a true tempo step; 0 without steps."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClockReport:
-    """What a stream of messages gave."""
+    """Decoded beats, states and counters of a message stream."""
 
     beats: tuple[NamedBeat, ...]
     states: tuple[ClockState, ...]
@@ -85,7 +86,7 @@ class ClockReport:
 
 
 def replay(messages: Iterable[tuple[float, Sequence[int]]], *, beats_per_measure: int = 4) -> ClockReport:
-    """Decode (arrival [s], bytes) in order, with a look at the time between them as a watching thread has it."""
+    """Decode (arrival [s], bytes) in order, with the periodic checks that the watching thread makes."""
     clock = MidiClock(beats_per_measure=beats_per_measure)
     news: list[News] = []
     looked, pulses, time = 0.0, 0, 0.0
@@ -104,7 +105,8 @@ def replay(messages: Iterable[tuple[float, Sequence[int]]], *, beats_per_measure
 
 
 def _named(news: Sequence[News], end: float, beats_per_measure: int) -> Iterable[NamedBeat]:
-    """The beats that fell, each by the last estimate before it; through a loss the last estimate runs on."""
+    """Return the beats that fell, each by the last estimate before it; during a loss the last estimate is
+    extrapolated."""
     estimate: ClockBeat | None = None
     first: dict[int, float] = {}
     number = 0
@@ -130,7 +132,7 @@ def _named(news: Sequence[News], end: float, beats_per_measure: int) -> Iterable
 
 
 def _next(estimate: ClockBeat | None, number: int, item: ClockBeat) -> int:
-    """Beats that are not numbered are counted by where they lie."""
+    """Number beats without a number by their time."""
     return 0 if estimate is None else number + round((item.beat_time - estimate.beat_time) / item.period)
 
 
@@ -156,7 +158,7 @@ def _beat(estimate: ClockBeat, number: int, beat: int, first: dict[int, float], 
 
 
 def errors_of(beats: Sequence[NamedBeat], truth: Sequence[TrueBeat], *, within: float = 0.07) -> ClockErrors | None:
-    """Named beats held against the true ones; None where there is no true beat or none was found."""
+    """Compare reported beats with the true ones; None if there is no true beat or none was found."""
     times = np.array([beat.time for beat in beats])
     pairs = []
     for true in truth:
@@ -188,7 +190,7 @@ def errors_of(beats: Sequence[NamedBeat], truth: Sequence[TrueBeat], *, within: 
 
 
 def _settled(truth: Sequence[TrueBeat]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Which beats come `SETTLED` beats or more after the last jump of the truth; the last one, if none does."""
+    """Mark the beats at least `SETTLED` beats after the last jump of the truth; if none is, the last one."""
     count, settled = 0, []
     for index, true in enumerate(truth):
         before = truth[index - 1]
@@ -205,7 +207,7 @@ def _p95(values: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]") -> float:
 
 
 def _step_beats(pairs: Sequence[tuple[NamedBeat, TrueBeat]]) -> int:
-    """Beats that still fall in the old tempo's wake, at worst, after a step of the true tempo."""
+    """Return the largest number of beats with a wrong tempo after a step of the true tempo."""
     worst = 0
     for index in range(1, len(pairs)):
         now, was = pairs[index][1].bpm, pairs[index - 1][1].bpm

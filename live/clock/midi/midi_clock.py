@@ -1,7 +1,7 @@
-"""MidiClock: MIDI beat clock in (24 pulses a beat, start, stop, continue, song position), beats ahead of time out.
+"""MIDI beat clock decoder: predicts beats from 24 pulses a beat, start, stop, continue and song position.
 
 After the MIDI 1.0 Detailed Specification (4.2.1), system common and real time messages. A start or continue takes
-effect at the next pulse. The song position counts sixteenths, six pulses each. A sender with active sensing is gone
+effect at the next pulse. The song position counts sixteenths, six pulses each. A sender with active sensing is lost
 after 330 ms without any message.
 """
 
@@ -15,24 +15,24 @@ from live.clock.midi.pulse_train import PulseTrain
 PULSES_PER_BEAT: Final = 24
 PULSES_PER_SIXTEENTH: Final = 6
 TOLD_EVERY: Final = 6
-"""Pulses from one estimate to the next."""
+"""Pulses between two estimates."""
 
 LOST_AFTER: Final = 0.5
 """Seconds without a pulse, at least `LOST_PULSES` periods, after which a running clock counts as lost."""
 
 LOST_PULSES: Final = 4.0
 SENSED_FOR: Final = 0.33
-"""Seconds that a sender with active sensing may be silent."""
+"""Maximum silence of a sender with active sensing [s]."""
 
 GAP: Final = 8.0
-"""Periods without a pulse after which a clock that is not running, or is cued, begins a new train."""
+"""Periods without a pulse after which a clock that is stopped or cued begins a new train."""
 
 SURE_AFTER: Final = 48.0
-"""Pulses of one steady stretch after which an estimate is wholly trusted."""
+"""Pulses of one steady stretch after which an estimate has full confidence."""
 
 BEAT_MIN_S: Final = 0.12
 BEAT_MAX_S: Final = 4.0
-"""Periods of beats beyond these are no music's, and not told."""
+"""Beat periods outside these bounds are not reported."""
 
 CLOCK, START, CONTINUE, STOP, SENSING, RESET = 0xF8, 0xFA, 0xFB, 0xFC, 0xFE, 0xFF
 SONG_POSITION: Final = 0xF2
@@ -40,26 +40,26 @@ SONG_POSITION: Final = 0xF2
 
 @dataclass(frozen=True, slots=True)
 class ClockBeat:
-    """A beat that comes, as known at `time` [s]. A newer one replaces all that was said before."""
+    """A coming beat, as known at `time` [s]. It replaces all earlier estimates."""
 
     time: float
     beat_time: float
     period: float
-    """Seconds of a beat from now on."""
+    """Beat period from now on [s]."""
     confidence: float
     beat: int
-    """Beat of its measure, from 0; -1 where it cannot be told."""
+    """Beat of its measure, from 0; -1 if unknown."""
     measure: int
-    """From 0, by the song position; -1 where it cannot be told."""
+    """From 0, by the song position; -1 if unknown."""
     jump: bool
     """Whether the position jumped here: start, continue, song position."""
     anchored: bool
-    """False while the clock was not started: beats are counted from any pulse."""
+    """False while the clock has not been started: beats are counted from an arbitrary pulse."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClockState:
-    """The source is "found" or "lost", the song "started" or "stopped"."""
+    """A change of state: "found" or "lost" for the source, "started" or "stopped" for the song."""
 
     time: float
     state: str
@@ -70,15 +70,15 @@ News = ClockBeat | ClockState
 
 
 class MidiClock:
-    """Decodes one sender. Pure: messages come with their times [s], none is read. Thread: one at a time."""
+    """Decodes one sender. Pure: messages come with their times [s]. Thread: one at a time."""
 
     def __init__(self, *, beats_per_measure: int = 4, tempo: float = 120.0) -> None:
-        """`tempo` [bpm] is assumed until pulses tell it; MIDI does not say how many beats a measure has."""
+        """`tempo` [bpm] is assumed until pulses define it; MIDI does not transmit the number of beats in a measure."""
         self.beats_per_measure = beats_per_measure
         self.running = False
-        """Whether the song runs (started or continued, and not stopped)."""
+        """Whether the song is running (started or continued, and not stopped)."""
         self.rejected = 0
-        """Messages that cannot be true: bad lengths, data bytes above 127, times that are no numbers."""
+        """Number of invalid messages: wrong lengths, data bytes above 127, non-finite times."""
         self.train = PulseTrain(60.0 / (tempo * PULSES_PER_BEAT))
         self._origin = 0
         self._cue: int | None = None
@@ -92,11 +92,12 @@ class MidiClock:
 
     @property
     def position(self) -> int:
-        """Pulses since the beginning of the song, of the newest pulse; where it stands still, of the next."""
+        """Pulses from the beginning of the song to the newest pulse; while stopped, to the next pulse."""
         return self.train.last - self._origin if self.running and self._cue is None else self._held
 
     def receive(self, message: Sequence[int], time: float) -> list[News]:
-        """What a message that arrived at `time` [s] tells. Messages of no concern to clocks change nothing."""
+        """Process a message that arrived at `time` [s]; return the news. Other messages than a clock's change
+        nothing."""
         if not math.isfinite(time) or not message or not 0x80 <= message[0] <= 0xFF:
             self.rejected += 1
             return []
@@ -120,7 +121,7 @@ class MidiClock:
         return []
 
     def advance(self, now: float) -> list[News]:
-        """What is known at `now` [s] because nothing came; to be called a few times a second."""
+        """Return the news at `now` [s] due to missing messages; call it a few times a second."""
         silent_for = now - self._heard_at
         if self._sensing and silent_for > SENSED_FOR:
             self._sensing = False
@@ -128,14 +129,14 @@ class MidiClock:
         if not self._ticking:
             return []
         if now - self.train.arrived > max(LOST_AFTER, LOST_PULSES * self.train.curve.period):
-            if self._started and not self.running:  # a stopped song may rest: nothing is lost
+            if self._started and not self.running:  # a stopped song may send no pulses: nothing is lost
                 self._ticking = False
                 return []
             return self._lose(now, "no clock")
         return []
 
     def unplugged(self, now: float) -> list[News]:
-        """The cable was pulled, or the port went away."""
+        """Return the news after the port has gone."""
         self._sensing = False
         return self._lose(now, "port gone") if self._ticking else []
 
@@ -182,13 +183,14 @@ class MidiClock:
         jump = self._cue is not None
         if self._cue is not None:
             self._origin, self._cue, self._cued_for = train.last - self._cue, None, 1
-        elif train.renumbered >= self._cued_for:  # the pulse that began the song was itself one of them
+        elif train.renumbered >= self._cued_for:  # the pulse that began the song was itself renumbered
             self._origin += train.lost - lost
         beat = self._estimate(time, jump)
         return [*news, beat] if beat is not None else news
 
     def _estimate(self, time: float, jump: bool) -> ClockBeat | None:
-        """What is told at this pulse: at each sixteenth, at a jump, and soon after a sudden change."""
+        """Return the estimate at this pulse, if one is due: at each sixteenth, at a jump, and soon after a sudden
+        change."""
         train = self.train
         position = train.last - self._origin
         sixteenth = position // TOLD_EVERY

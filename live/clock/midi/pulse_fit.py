@@ -1,7 +1,7 @@
-"""PulseFit: the curve through the times of numbered pulses, over as long a stretch as one curve explains.
+"""Curve fit of pulse times over pulse numbers, with an adaptive window.
 
 A bank of straight lines (a steady tempo) and parabolas (a tempo that changes evenly) over the last 4 to 768 pulses.
-The one that predicts best is taken among those that the newest pulses do not contradict: long windows for a steady
+Among those that the newest pulses do not contradict, the one that predicts best is used: long windows for a steady
 sender, short ones while the tempo moves (Lepski's method of choosing a bandwidth; Goldenshluger and Nemirovski, "On
 spatially adaptive estimation of nonparametric regression", 1997).
 """
@@ -19,29 +19,31 @@ PARABOLAS: Final = (32, 48, 64, 96, 128, 192)
 """Lengths of the windows [pulses]."""
 
 RECENT: Final = np.array((4, 6, 8, 12, 16, 24, 32, 48, 64, 96))
-"""Over so many newest pulses the mean residual of a curve must be no more than chance."""
+"""Numbers of newest pulses over which a curve's mean residual is tested against chance."""
 
 AHEAD: Final = 12.0
-"""Curves are compared by how well they tell the time of the pulse half a beat ahead."""
+"""Curves are compared by their prediction of the pulse half a beat ahead."""
 
 CONTRADICTED: Final = 4.6
-"""Standard errors of a mean residual that contradict a curve: it is asked ten times at each of a song's thousands of
-pulses, and who believes chance once has only a short stretch to tell the tempo by."""
+"""Standard errors of a mean residual that reject a curve. The limit is high because each of a song's thousands of
+pulses
+brings ten tests, and a false rejection leaves only a short window for the tempo.
+"""
 
 _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
 
 PERIOD_MIN: Final = 1e-3
-"""Pulses that come faster [s] are a flood."""
+"""Minimum pulse period [s]; faster pulses are a flood."""
 
 NOISE_MIN: Final = 2e-4
-"""What arrival times scatter at least [s]; below this no curve is refused."""
+"""Minimum scatter of arrival times [s]; no curve is rejected for less."""
 
 KNOWN_FOR: Final = 144
-"""Pulses after which a stretch knows its own period better than what was known before it."""
+"""Pulses after which a stretch determines its period better than the estimate before it."""
 
 NOISE_WINDOW: Final = 96
 SPREAD_OF_SECOND_DIFFERENCES: Final = 1.9
-"""Standard deviation of white noise's second differences, largest tenth left out, in units of the noise's own."""
+"""Standard deviation of white noise's second differences without the largest tenth, in units of the noise's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,29 +52,31 @@ class PulseFit:
 
     number: int
     time: float
-    """Seconds at pulse `number`, the last one that was fitted."""
+    """Time of pulse `number`, the last one fitted [s]."""
     period: float
-    """Seconds from pulse to pulse at that moment."""
+    """Pulse period at that moment [s]."""
     bend: float
     noise: float
-    """How far arrivals scatter about the curve [s]."""
+    """Scatter of arrivals about the curve [s]."""
     count: int
-    """Pulses that were fitted."""
+    """Number of pulses fitted."""
 
     def time_of(self, number: float) -> float:
-        """When pulse `number` falls [s]; a bend is not believed for longer than a beat."""
+        """Return the time of pulse `number` [s]; a bend is extrapolated for at most one beat."""
         x = number - self.number
         near = min(x, 24.0)
         time = self.time + self.period * near + self.bend * near * near
         return time + self.period_at(number) * (x - near)
 
     def period_at(self, number: float) -> float:
-        """Seconds from pulse to pulse at `number`, never less than half of today's."""
+        """Return the pulse period at `number` [s], at least half of the present one."""
         return max(self.period + 2.0 * self.bend * min(number - self.number, 24.0), 0.5 * self.period)
 
 
 def _variance_ahead(length: npt.NDArray[np.float64], degree: int) -> npt.NDArray[np.float64]:
-    """Variance of a prediction `AHEAD` pulses beyond a window, for white noise of variance 1 (Legendre polynomials)."""
+    """Return the variance of a prediction `AHEAD` pulses beyond a window, for white noise of variance 1 (Legendre
+    polynomials).
+    """
     x = 1.0 + 2.0 * AHEAD / length
     value = 1.0 + 3.0 * x**2
     if degree == 2:
@@ -81,7 +85,7 @@ def _variance_ahead(length: npt.NDArray[np.float64], degree: int) -> npt.NDArray
 
 
 def noise_of(numbers: npt.NDArray[np.int64], times: Times) -> float:
-    """How far arrivals scatter [s], from second differences: a tempo that moves hardly shows in them."""
+    """Return the scatter of arrivals [s], from second differences, which a changing tempo hardly affects."""
     numbers, times = numbers[-NOISE_WINDOW:], times[-NOISE_WINDOW:]
     bends = np.diff(times, 2)[(numbers[2:] - numbers[:-2]) == 2]
     if bends.size < 4:
@@ -93,10 +97,10 @@ def noise_of(numbers: npt.NDArray[np.int64], times: Times) -> float:
 def fit(
     numbers: npt.NDArray[np.int64], times: Times, weights: Times, noise: float, known: float | None = None
 ) -> PulseFit:
-    """The best curve through pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
+    """Fit the best curve to pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
 
-    `weights` are 1, or 0 for pulses that are left out. `noise` as `noise_of` tells. A period that was `known` before
-    the stretch is kept as long as nothing contradicts it and the stretch is short.
+    `weights` are 1, or 0 for pulses that are left out. `noise` as returned by `noise_of`. The period `known` before the
+    stretch is kept as long as nothing contradicts it and the stretch is short.
     """
     last = int(numbers[-1])
     x = (numbers - last).astype(np.float64)[::-1]
@@ -125,14 +129,14 @@ def fit(
 
 
 def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
-    """Least squares by the moments of each window, shape (8, C): offset, slope, bend, shape (3, C)."""
+    """Return least-squares curves from the moments of each window, shape (8, C): offset, slope, bend, shape (3, C)."""
     matrices = m[_HANKEL].transpose(2, 0, 1).copy()
     right = m[5:8].T.copy()
     straight = ~bent
     matrices[straight, 2, :] = matrices[straight, :, 2] = 0.0
     right[straight, 2] = 0.0
     matrices[straight, 2, 2] = 1.0
-    few = m[0] < np.where(bent, 4.0, 3.0)  # too many were left out
+    few = m[0] < np.where(bent, 4.0, 3.0)  # too many pulses were left out
     matrices[few] = np.eye(3)
     right[few] = np.nan
     return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0].T)
@@ -141,7 +145,7 @@ def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
 def _doubt(
     moments: Times, lengths: npt.NDArray[np.int64], bent: npt.NDArray[np.bool_], curves: Times, noise: float
 ) -> Times:
-    """How much the newest pulses contradict each curve, shape (C,): its worst mean residual, where 1 is allowed."""
+    """Return how much the newest pulses contradict each curve, shape (C,): its worst mean residual; 1 is the limit."""
     recent = RECENT[: int(np.searchsorted(RECENT, moments.shape[1], "right"))]
     part = moments[:, recent - 1]
     count = np.maximum(part[0], 1e-9)

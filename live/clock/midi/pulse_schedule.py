@@ -1,7 +1,8 @@
-"""PulseSchedule: which MIDI clock messages a Timeline asks for, and when.
+"""Generation of MIDI clock messages for a `Timeline`, with their times.
 
-The song begins at the first measure line. What the Timeline does slowly, pulses follow; where it jumps (a new song,
-"this is the one") the song is stopped, located and continued at the next sixteenth, as the song position allows.
+The song begins at the first measure line. Pulses follow slow changes of the timeline. When it jumps (a new song, a
+tap on the downbeat), the song is stopped, located and continued at the next sixteenth, the resolution of the song
+position.
 """
 
 import math
@@ -20,10 +21,10 @@ from live.clock.midi.midi_clock import (
 from live.clock.timeline import Timeline
 
 JUMP: Final = 3.0
-"""Pulses that the Timeline may be off before it has jumped."""
+"""Deviation of the timeline in pulses that counts as a jump."""
 
 SIXTEENTHS: Final = 1 << 14
-"""Song positions that a message can tell."""
+"""Number of song positions that a message can express."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ class PulseSchedule:
         self.jumps = 0
 
     def due(self, timeline: Timeline, now: float) -> Due:
-        """The next pulse and what goes before it; until `sent` the same one, at the time that the Timeline says."""
+        """Return the next pulse and the messages before it, at its time on the timeline; the same one until `sent` is
+        called."""
         here = (timeline.beat_at(now) - timeline.measure_origin) * PULSES_PER_BEAT
         if self._next is None:
             self._next = math.ceil(here)
@@ -59,7 +61,7 @@ class PulseSchedule:
         return Due(time, (*stop, *self._transport(timeline), bytes((CLOCK,))))
 
     def sent(self, timeline: Timeline) -> None:
-        """The messages of `due` were sent."""
+        """Confirm that the messages of `due` were sent."""
         assert self._next is not None  # `due` came first
         if self._transport(timeline):
             if self._starts(timeline):
@@ -69,11 +71,11 @@ class PulseSchedule:
         self._next += 1
 
     def relocate(self) -> None:
-        """Somebody new listens: told once more where the song is."""
+        """Send the song position again, for a new receiver."""
         self._running = False
 
     def _starts(self, timeline: Timeline) -> bool:
-        """Whether the song begins, or begins again, at the next pulse."""
+        """Whether the song starts, or starts again, at the next pulse."""
         assert self._next is not None
         fresh = not self._begun or self._next < self._begun_at
         return fresh and self._next % (PULSES_PER_BEAT * timeline.beats_per_measure) == 0

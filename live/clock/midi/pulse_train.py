@@ -1,9 +1,8 @@
-"""PulseTrain: which number each arriving pulse has, and when pulses fall; jitter, stalls and losses do not move it.
+"""Numbering of arriving pulses, and the curve of their times, robust against jitter, stalls and losses.
 
-Pulses are sent evenly and arrive late by chance. One that lies off the curve is left out and watched. When several
-in a row do, they are judged together: late by whole pulses, and so ever since, means that pulses were lost (they are
-counted by time); late ones that come in a heap are a stall that will pass; all else is a new tempo, and the curve
-begins anew there.
+Pulses are sent evenly and arrive with random delays. A pulse off the curve is left out and watched. Several such
+pulses in a row are judged together. A constant delay of whole periods means lost pulses (their number follows from
+the time). A bunch of late pulses is a temporary stall. Anything else is a new tempo, and a new curve begins there.
 """
 
 from typing import Final
@@ -20,39 +19,39 @@ ENOUGH: Final = 5
 
 GATE: Final = 4.0
 GATE_MIN: Final = 6e-4
-"""A pulse this many noises, and seconds, off the curve is watched."""
+"""A pulse this many standard deviations and seconds off the curve is watched."""
 
 HALF: Final = 0.45
-"""Also one this share of a period off: where the scatter is large, lost pulses show by that it goes on."""
+"""So is one this share of a period off: where the scatter is large, lost pulses show as a lasting offset."""
 
 WATCHED: Final = 4
 WATCHED_NOISY: Final = 6
-"""So many watched pulses in a row are judged; more where the scatter is above a tenth of the period."""
+"""Number of consecutive watched pulses that are judged; more where the scatter exceeds a tenth of the period."""
 
 BEFORE: Final = 8
-"""Pulses before the watched ones that are judged with them."""
+"""Number of earlier pulses that are judged with the watched ones."""
 
 HEAP: Final = 0.5
-"""Pulses closer than this share of a period come in a heap."""
+"""Pulses closer than this share of a period are a bunch."""
 
 STALL_MAX: Final = 32
 WHOLE: Final = 0.3
-"""How far from a whole number of periods, at most, a step may be that means lost pulses."""
+"""Maximum deviation from a whole number of periods for a step that means lost pulses."""
 
 KNOWN_AFTER: Final = 24
-"""Pulses of one curve after which its period is worth keeping for the next train."""
+"""Pulses of one curve after which its period is kept for the next train."""
 
 FAR: Final = 4000
-"""Pulses across which no curve is fitted: after a longer loss only the period is kept."""
+"""Largest gap in pulses for a fit: after a longer loss only the period is kept."""
 
 BUNDLE_WITHIN: Final = 400
-"""Two like steps within so many pulses are those of a clock that is sent in bundles; ..."""
+"""Two equal steps within this many pulses indicate a clock that is sent in bundles."""
 
 BUNDLE_NOISE: Final = 0.5
-"""... scatter in shares of such a step, ..."""
+"""Scatter of such a clock as a share of the step ..."""
 
 BUNDLE_FADES: Final = 0.999
-"""... which is forgotten by this factor at every fit."""
+"""... which decays by this factor at every fit."""
 
 OFTEN: Final = 24
 SELDOM: Final = 3
@@ -60,13 +59,13 @@ SELDOM: Final = 3
 
 
 class PulseTrain:
-    """Numbers pulses by count and by time, and keeps the curve through them. Pure: times [s] are given, none is read.
+    """Numbers pulses by count and by time, and keeps the curve through them. Pure: times [s] are given.
 
     Times must not go back: an earlier one counts as the last. Thread: one at a time.
     """
 
     def __init__(self, period: float) -> None:
-        """`period` [s] is assumed until a few pulses have come."""
+        """`period` [s] is assumed for the first pulses."""
         self._number = np.zeros(CAPACITY, np.int64)
         self._time = np.zeros(CAPACITY)
         self._weight = np.zeros(CAPACITY)
@@ -80,13 +79,13 @@ class PulseTrain:
         self._shifted = (-(10**9), 0.0)
         self._fit = PulseFit(0, 0.0, period, 0.0, self._noise, 0)
         self.lost = 0
-        """Pulses that never came, counted by time (those that came too many count down)."""
+        """Lost pulses, counted by time (surplus pulses count negative)."""
         self.renumbered = 0
-        """How many of the newest pulses got other numbers by the last `add`."""
+        """Number of newest pulses that the last `add` renumbered."""
 
     @property
     def curve(self) -> PulseFit:
-        """The curve in force; `count` 0 says that its period is only assumed."""
+        """The present curve; `count` 0 means that its period is only assumed."""
         return self._fit
 
     @property
@@ -96,12 +95,12 @@ class PulseTrain:
 
     @property
     def arrived(self) -> float:
-        """When the newest pulse arrived [s]."""
+        """Arrival time of the newest pulse [s]."""
         return float(self._time[self._count - 1])
 
     @property
     def unsure(self) -> bool:
-        """Whether the newest pulses are still being judged: the curve before them goes on meanwhile."""
+        """Whether the newest pulses are still being judged; until then the old curve holds."""
         return self._watched > 1
 
     @property
@@ -110,13 +109,13 @@ class PulseTrain:
         return self._count - self._since
 
     def restart(self, number: int) -> None:
-        """The next pulse is `number` and begins a new train; its period is assumed to be the present one."""
+        """Begin a new train with pulse `number`; the present period is assumed for it."""
         self._known = self._fit.period if self._fit.count >= KNOWN_AFTER else None
         self._fit = PulseFit(number, 0.0, self._fit.period, 0.0, self._noise, 0)
         self._count = self._since = self._watched = 0
 
     def add(self, time: float) -> None:
-        """A pulse arrived at `time` [s]."""
+        """Add a pulse that arrived at `time` [s]."""
         if self._count == CAPACITY:
             self._forget()
         number = self._fit.number if self._count == 0 else self.last + 1
@@ -134,7 +133,7 @@ class PulseTrain:
             self._refit()
 
     def _assume(self, number: int, time: float) -> None:
-        """Until there are enough: the line of the assumed period that begins at the first pulse."""
+        """Use the line of the assumed period through the first pulse until there are enough pulses."""
         if self.length == 1:
             self._fit = PulseFit(number, time, self._fit.period, 0.0, self._noise, 0)
 
@@ -143,7 +142,7 @@ class PulseTrain:
         return float((GATE * self._noise + GATE_MIN) * few)
 
     def _watch(self, error: float) -> None:
-        """Watch a pulse that lies off the curve, and judge when there are enough of them."""
+        """Watch a pulse off the curve, and judge when there are enough of them."""
         gate, half = self._gate(), HALF * self._fit.period
         if abs(error) <= min(gate, half):
             self._watched = 0
@@ -161,7 +160,8 @@ class PulseTrain:
         self._judge()
 
     def _judge(self) -> None:
-        """Pulses lost, or moved as a whole, or a new tempo: what explains the watched ones and those before best."""
+        """Decide between lost pulses, a shift and a new tempo, by the best fit to the watched pulses and those
+        before."""
         first = self._count - self._watched
         begin = max(first - BEFORE, self._since)
         numbers = self._number[begin : self._count]
@@ -187,10 +187,11 @@ class PulseTrain:
             self._shift(first, rest)
 
     def _shift(self, first: int, by: float) -> None:
-        """All pulses from index `first` on are `by` [s] later than those before, at the same tempo.
+        """Shift: all pulses from index `first` on are `by` [s] later than those before, at the same tempo.
 
-        Once, the sender moved its phase: what came before is moved along. Twice by the same, it is a clock that is
-        sent in bundles, whose pulses drift against them: that is scatter of that size.
+        The first time, the sender has moved its phase, and the earlier pulses are moved along. The second time by the
+        same
+        amount, the clock is sent in bundles that drift against its pulses, and the shift counts as scatter.
         """
         number, before = self._shifted
         if self.last - number <= BUNDLE_WITHIN and abs(by - before) < 0.3 * abs(before):
@@ -213,7 +214,7 @@ class PulseTrain:
         self._fit = fit(numbers, times, self._weight[since : self._count], self._noise, self._known)
 
     def _forget(self) -> None:
-        """Only the newest pulses are kept."""
+        """Drop all but the newest pulses."""
         for values in (self._number, self._time, self._weight):
             values[:KEPT] = values[CAPACITY - KEPT :]
         self._count = KEPT
@@ -221,13 +222,13 @@ class PulseTrain:
 
 
 def _whole(periods: float) -> int:
-    """Pulses lost, for a step of so many periods; one that is hardly nearer to one than to none is none."""
+    """Return the number of lost pulses for a step in periods; 0 if it is hardly nearer to one than to none."""
     whole = round(periods)
     return 0 if abs(whole) <= 1 and abs(periods - whole) > WHOLE else whole
 
 
 def _misfit_of_ramp(errors: Times, x: Times) -> float:
-    """Sum of squares that is left when errors grow evenly from x = 0 on."""
+    """Return the residual sum of squares for errors that grow linearly from x = 0 on."""
     ramp = np.maximum(x, 0.0)
     slope = float(ramp @ errors) / float(ramp @ ramp)
     return float(np.square(errors - slope * ramp).sum())

@@ -1,8 +1,8 @@
-"""MIDI time code in: quarter frames and full frames to seconds, and seconds to beats at a tempo that is set.
+"""MIDI time code decoder: quarter frames and full frames to seconds, and to beats at a given tempo.
 
 After MIDI 1.0 Detailed Specification, MIDI Time Code (MMA RP-004/008): four quarter frames a frame; eight carry one
 time, that of the frame at which the first of them was sent. 29.97 drop frame leaves out the numbers 0 and 1 of each
-minute but the tenths. Time code has no beats: the tempo and the time code of the first measure are the show's.
+minute except every tenth. Time code has no beats: the show sets the tempo and the time code of the first measure.
 """
 
 import math
@@ -20,19 +20,20 @@ FRAMES: Final = (24, 25, 30, 30)
 """Frames counted in a second, by the two bits of the rate: 24, 25, 30 drop frame, 30."""
 
 SPEEDS: Final = (24.0, 25.0, 30.0 / 1.001, 30.0)
-"""Frames that pass in a second: drop frame is the one for 29.97."""
+"""Actual frames a second: drop frame is for 29.97."""
 
 DROP: Final = 2
 LOST_AFTER: Final = 0.3
 JUMP: Final = 8
-"""Quarter frames that the time may be off before it has jumped; less is counted anew and slewed."""
+"""Deviation in quarter frames that counts as a jump; smaller ones are renumbered and slewed."""
 
 TOLD_PER_BEAT: Final = 4
 SURE_AFTER: Final = 96.0
 
 
 def frame_number(hours: int, minutes: int, seconds: int, frames: int, rate: int) -> int | None:
-    """Frames since 0:00:00:00 at a rate (0 to 3, as in the messages); None for a time that does not exist."""
+    """Return the frames since 0:00:00:00 at a rate (0 to 3, as in the messages); None for a time that does not
+    exist."""
     base = FRAMES[rate]
     if not (hours < 24 and minutes < 60 and seconds < 60 and frames < base):
         return None
@@ -46,20 +47,21 @@ def frame_number(hours: int, minutes: int, seconds: int, frames: int, rate: int)
 
 
 class TimeCode:
-    """Collects quarter frames into times. Pure. Thread: one at a time."""
+    """Assembles quarter frames into times. Pure. Thread: one at a time."""
 
     def __init__(self) -> None:
         self.rate = 1
         """24, 25, 29.97 drop, 30: 0 to 3."""
         self.direction = 0
-        """1 forwards, -1 backwards, 0 not known yet."""
+        """1 forwards, -1 backwards, 0 unknown."""
         self.rejected = 0
         self._nibbles = [-1] * 8
         self._last = -1
         self._run = 0
 
     def quarter(self, data: int) -> int | None:
-        """A quarter frame's data byte; after eight in a row the number of quarter frames at this very one, else None.
+        """Process a quarter frame's data byte; after eight in a row return the present number of quarter frames, else
+        None.
 
         Counted from 0:00:00:00. Times that do not exist are counted as rejected.
         """
@@ -83,7 +85,8 @@ class TimeCode:
         return 4 * number + 7 if direction == 1 else 4 * number
 
     def full(self, message: Sequence[int]) -> int | None:
-        """A full frame message: the number of quarter frames it names; None, and counted, for a time there is not."""
+        """Return the number of quarter frames in a full frame message; None (counted as rejected) for an invalid
+        time."""
         rate = (message[5] >> 5) & 3
         number = frame_number(message[5] & 31, message[6], message[7], message[8], rate)
         if number is None:
@@ -94,17 +97,18 @@ class TimeCode:
 
 
 def is_full_frame(message: Sequence[int]) -> bool:
-    """Whether an exclusive message is MTC's full frame."""
+    """Whether an exclusive message is an MTC full frame."""
     return len(message) == FULL_FRAME_LENGTH and all(
         wanted is None or byte == wanted for byte, wanted in zip(message, FULL_FRAME, strict=False)
     )
 
 
 class TimeCodeClock:
-    """Beats along MIDI time code: news as MidiClock gives them. Pure; times [s] are given. Thread: one at a time."""
+    """Beats from MIDI time code, with the same news as `MidiClock`. Pure; times [s] are given. Thread: one at a
+    time."""
 
     def __init__(self, *, tempo: float, offset: float = 0.0, beats_per_measure: int = 4) -> None:
-        """`tempo` [bpm] from the time code `offset` [s] on, where the first measure begins."""
+        """`tempo` [bpm] applies from the time code `offset` [s] on, where the first measure begins."""
         self.tempo = tempo
         self.offset = offset
         self.beats_per_measure = beats_per_measure
@@ -117,13 +121,14 @@ class TimeCodeClock:
 
     @property
     def seconds(self) -> float:
-        """The time code at the newest quarter frame [s]; NaN while it is not known."""
+        """The time code at the newest quarter frame [s]; NaN while unknown."""
         if self._origin is None or not self._train.length:
             return math.nan
         return (self._train.last - self._origin) / (4.0 * SPEEDS[self.code.rate])
 
     def receive(self, message: Sequence[int], time: float) -> list[News]:
-        """What a message that arrived at `time` [s] tells; all but time code's change nothing."""
+        """Process a message that arrived at `time` [s]; return the news. Messages other than time code change
+        nothing."""
         if not message or not math.isfinite(time):
             return []
         if message[0] == EXCLUSIVE and is_full_frame(message):
@@ -135,13 +140,13 @@ class TimeCodeClock:
         return self._quarter(message[1], time)
 
     def advance(self, now: float) -> list[News]:
-        """Time code that has ended is lost: tape machines say no more when they stop."""
+        """Report time code that has ended as lost: tape machines send nothing more when they stop."""
         if self._ticking and now - self._train.arrived > LOST_AFTER:
             return self.unplugged(now)
         return []
 
     def unplugged(self, now: float) -> list[News]:
-        """The cable was pulled, or the code ended."""
+        """Return the news after the port has gone or the code has ended."""
         was, self._ticking = self._ticking, False
         return [ClockState(now, "lost", "no time code")] if was else []
 

@@ -1,1 +1,1 @@
-"""Tracking finds onsets and beats in sound: features, beat network, aubio. It may import what `clock` may."""
+"""Onset and beat tracking in audio: features, beat network, aubio. It may import what `clock` may."""

@@ -1,4 +1,4 @@
-"""AubioTracker: sound in, beat estimates out, around aubio's causal tempo tracker (Davies and Plumbley)."""
+"""Beat tracker based on aubio's causal tempo tracker (Davies and Plumbley)."""
 
 import math
 from collections.abc import Callable
@@ -11,34 +11,34 @@ from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.silence import SILENT_AFTER, SILENT_LEVEL
 
 HOP: Final = 0.0116
-"""Wanted step of the analysis [s]; the hop is the power of two of samples that comes nearest."""
+"""Approximate hop of the analysis [s]; rounded to a power of two of samples."""
 
 EARLY: Final = 0.0029
-"""aubio names beats this much too early [s]: mean over clicks at 80 to 160 bpm, equal at 22 to 192 kHz."""
+"""aubio reports beats too early by this [s]: mean over clicks at 80 to 160 bpm, equal at 22 to 192 kHz."""
 
 RESTART_AFTER: Final = 2.0
-"""Seconds of silence after which the tracker forgets the music before."""
+"""Seconds of silence after which the tracker is reset."""
 
 LOUDEST: Final = 64.0
-"""Samples beyond this are no sound but a fault, and count as bad (full scale is 1)."""
+"""Samples beyond this are faulty and count as bad (full scale is 1)."""
 
 DRUM_BANDS_HZ: Final = ((30.0, 180.0), (180.0, 2500.0))
-"""Where bass drum and snare are strong, and hi-hats are not."""
+"""Bands in which bass drum and snare are strong, and hi-hats are not."""
 
 DRUM_BEATS: Final = 8
-"""Beats over which the drums are asked which half beat is the beat."""
+"""Number of beats over which the drums decide which half beat is the beat."""
 
 DRUM_RATIO: Final = 1.3
-"""How much stronger the drums must be half a beat off to move the beat there."""
+"""Ratio by which drums must be stronger half a beat off to move the beat there."""
 
 DRUM_MEMORY: Final = 0.003
-"""Share of each hop in a band's usual strength (time constant about 4 s)."""
+"""Weight of each hop in a band's usual strength (time constant about 4 s)."""
 
 DRUM_HOPS: Final = 1024
-"""Hops for which the drums' strength is remembered (about 12 s)."""
+"""Number of hops for which the drums' strength is kept (about 12 s)."""
 
 DRUM_FLOOR: Final = 1e-3
-"""Strength under which a band is taken for empty."""
+"""Strength below which a band counts as empty."""
 
 RATE_MIN_HZ: Final = 8_000.0
 RATE_MAX_HZ: Final = 400_000.0
@@ -47,8 +47,9 @@ RATE_MAX_HZ: Final = 400_000.0
 class AubioTracker:
     """Feeds blocks of any length to aubio, hop by hop, at the device's own sample rate.
 
-    Samples that are no sound (NaN, infinite, beyond `LOUDEST`) become 0 and are counted. In silence nothing is
-    estimated, and after a long one the tracker starts anew, so that it does not go on with the music before.
+    Faulty samples (NaN, infinite, beyond `LOUDEST`) become 0 and are counted. In silence there are no estimates. After
+    a
+    long silence the tracker is reset, so that the old tempo does not persist.
     """
 
     def __init__(self, sample_rate: float) -> None:
@@ -57,7 +58,7 @@ class AubioTracker:
             raise ValueError(f"a sample rate of {sample_rate} Hz: {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} expected")
         self.sample_rate = sample_rate
         self.hop = 1 << round(math.log2(sample_rate * HOP))
-        """Samples per step of the analysis."""
+        """Hop size in samples."""
         self.bad_samples = 0
         """Samples replaced by 0, since the start."""
         self.level = 0.0
@@ -81,21 +82,21 @@ class AubioTracker:
 
     @property
     def silent(self) -> bool:
-        """Whether nothing was to be heard for the last `SILENT_AFTER` seconds."""
+        """Whether the last `SILENT_AFTER` seconds were silent."""
         return self._silent
 
     @property
     def wanted(self) -> int:
-        """Samples missing until the next step of the analysis: feed so many to lose no time at a step."""
+        """Samples missing until the next hop is full: feed this many for minimum latency."""
         return self.hop - self._filled
 
     @property
     def position(self) -> float:
-        """Seconds of sound fed so far."""
+        """Seconds of audio fed so far."""
         return (self._fed + self._filled) / self.sample_rate
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
-        """Analyse the next samples, shape (n,), of one channel; returns the beats found in them, oldest first."""
+        """Analyse the next samples, shape (n,), of one channel; return the beats found in them, oldest first."""
         if samples.ndim != 1:
             raise ValueError(f"samples of shape {samples.shape}: one channel, shape (n,), expected")
         found: list[BeatEstimate] = []
@@ -121,7 +122,7 @@ class AubioTracker:
         block = self._pending
         with np.errstate(over="ignore", invalid="ignore"):
             energy = float(np.dot(block, block))
-        if not energy <= LOUDEST**2:  # true for NaN too: one test for the rule, the search is for the exception
+        if not energy <= LOUDEST**2:  # true for NaN too; the exact search runs only in this rare case
             bad = ~(np.abs(block) <= LOUDEST)
             self.bad_samples += int(np.count_nonzero(bad))
             block[bad] = 0.0
@@ -147,14 +148,14 @@ class AubioTracker:
         if self.level >= SILENT_LEVEL:
             if self._quiet >= RESTART_AFTER:
                 self._restart()
-                self._started -= self.hop / self.sample_rate  # the hop in hand is the first that it hears
+                self._started -= self.hop / self.sample_rate  # the present hop is the first that the new tracker gets
             self._quiet, self._silent = 0.0, False
             return
         self._quiet += self.hop / self.sample_rate
         self._silent = self._quiet >= SILENT_AFTER
 
     def _listen_for_drums(self) -> None:
-        """Remember how much louder the drums' bands became with this hop, each against its usual rise."""
+        """Record how much louder the drum bands became with this hop, each relative to its usual rise."""
         self._last_two[: self.hop] = self._last_two[self.hop :]
         self._last_two[self.hop :] = self._pending
         spectrum = np.fft.rfft(self._last_two * self._window)
@@ -170,13 +171,13 @@ class AubioTracker:
         self._hops += 1
 
     def _drums_are_off(self, position: float, period: float) -> bool:
-        """Whether the drums play half a beat off; as before, if they do not say clearly.
+        """Whether the drums are half a beat off; the last answer if they are not clear.
 
-        Hi-hats between the beats are what a tracker of onsets takes for the beat most often.
+        Trackers of onsets most often mistake hi-hats between the beats for the beat.
         """
         step = self.hop / self.sample_rate
         beats = min(DRUM_BEATS, int((DRUM_HOPS - 8) * step / period) - 1)
-        first = (position - step) / step - 1.0  # a rise seen in hop n began between the middles of windows n - 1 and n
+        first = (position - step) / step - 1.0  # a rise found in hop n began between the middles of windows n - 1 and n
         strength = [0.0, 0.0]
         for half in range(1, 2 * beats + 1):
             centre = round(first - 0.5 * half * period / step)

@@ -1,11 +1,9 @@
-"""Network: what is seen of a frame through trained weights, to the chances of a beat and of a downbeat.
+"""Neural network for the probabilities of a beat and a downbeat, and the feature stream that feeds it.
 
 Filters along frequency, one dense layer, two gated recurrent layers (Cho et al., Learning phrase representations
 using RNN encoder-decoder, 2014; the form with the reset after the product), one head of three classes: nothing, beat,
-downbeat. The recurrent layers run at every second frame and speak of both. `training/` makes the weights; the core is
-given them as arrays.
-
-Hearing: samples in; per frame of 11.6 ms, how much it sounds like a beat and like a downbeat.
+downbeat. The recurrent layers run at every second frame and give results for both. A frame is 11.6 ms. `training/`
+makes the weights; they are passed in as arrays.
 """
 
 import math
@@ -22,29 +20,29 @@ from live.clock.tracking.features import BAND_COUNT, BANDS, HOP, LAGS, Samples, 
 Floats = npt.NDArray[np.float32]
 
 STRIDE: Final = 5
-"""Bands from one place of a filter to the next."""
+"""Stride of the filters in bands."""
 
 LAYERS: Final = 2
-"""Recurrent layers."""
+"""Number of recurrent layers."""
 
 PAIR: Final = 2
-"""Frames that the recurrent layers take, and speak of, at a time."""
+"""Number of frames that the recurrent layers process at a time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """Trained numbers, float32, C-contiguous."""
+    """Trained weights, float32, C-contiguous."""
 
     filters: tuple[Floats, ...]
-    """Per ear, filters (2 span, channels): levels, then rises."""
+    """Per window type, filters (2 span, channels): levels, then rises."""
     filter_bias: tuple[Floats, ...]
     dense: Floats
     dense_bias: Floats
     asked: tuple[Floats, ...]
-    """Per recurrent layer, the input's share (inputs, 3 units): update, reset, candidate."""
+    """Per recurrent layer, the input weights (inputs, 3 units): update, reset, candidate."""
     asked_bias: tuple[Floats, ...]
     recalled: tuple[Floats, ...]
-    """Per recurrent layer, the memory's share (units, 3 units)."""
+    """Per recurrent layer, the recurrent weights (units, 3 units)."""
     candidate_bias: tuple[Floats, ...]
     head: Floats
     """(units of all layers, PAIR * 3): the older frame first."""
@@ -52,7 +50,7 @@ class Weights:
 
     @classmethod
     def of(cls, arrays: Mapping[str, npt.NDArray[np.floating]]) -> "Weights":
-        """From named arrays as the training writes them; KeyError or ValueError where they do not fit together."""
+        """Build from named arrays as the training writes them; KeyError or ValueError if they do not fit together."""
 
         def take(name: str) -> Floats:
             found = np.array(arrays[name], np.float32, order="C")  # a copy: kernels take no read-only arrays
@@ -77,7 +75,7 @@ class Weights:
         return weights
 
     def places(self, ear: int) -> int:
-        """How many places an ear's filters look at."""
+        """Return the number of positions of a window type's filters."""
         count: int = (BANDS[ear] - self.filters[ear].shape[0] // 2) // STRIDE + 1
         return count
 
@@ -102,7 +100,7 @@ class Weights:
 
 
 class Network:
-    """The trained activation; allocates nothing after it was made."""
+    """The trained activation; allocates nothing after its creation."""
 
     def __init__(self, weights: Weights) -> None:
         self.beat = np.zeros(PAIR)
@@ -126,12 +124,12 @@ class Network:
         self._logits = np.zeros(3 * PAIR, np.float32)
 
     def reset(self) -> None:
-        """Forget all music so far."""
+        """Reset the recurrent state."""
         self._all[:] = 0.0
         self._waiting = 0
 
     def step(self, look: Floats) -> int:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 0 and PAIR in turn."""
+        """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 0 and PAIR in turn."""
         if look.shape != (2 * BAND_COUNT,):
             raise ValueError(f"a frame of shape {look.shape}: {(2 * BAND_COUNT,)} expected")
         kept = self._weights
@@ -169,43 +167,43 @@ class Network:
 
 DELAY_FRAMES: Final = 3
 DELAY: Final = DELAY_FRAMES * HOP
-"""A frame speaks of the moment this long [s] before its last sample: then the window has seen the attack."""
+"""A frame describes the moment this long [s] before its last sample, so that the window contains the attack."""
 
 SPARE: Final = 4
-"""Frames that may come beside those that a block completes."""
+"""Spare frames besides those that a block completes."""
 
 LONGEST: Final = 256
-"""Frames for which room is made at the start (3 s); a longer block makes more once."""
+"""Frames allocated at the start (3 s); a longer block allocates more once."""
 
 
 Chances = npt.NDArray[np.float64]
 
 
 class Activation(Protocol):
-    """What makes two numbers of each frame: the network, or plain onsets where there is none.
+    """Interface for the beat and downbeat probabilities of frames: the network, or onset strength.
 
-    It may wait for a frame or two and then speak of all of them at once.
+    It may wait for a frame or two and then return results for all of them at once.
     """
 
     beat: Chances
-    """Chance that a beat lies at a frame's moment, 0 to 1 (a downbeat is a beat too), oldest frame first."""
+    """Probability of a beat at a frame's moment, 0 to 1 (a downbeat is a beat too), oldest frame first."""
     downbeat: Chances
-    """Chance that a downbeat lies there, 0 to `beat`."""
+    """Probability of a downbeat, 0 to `beat`."""
 
     def step(self, look: npt.NDArray[np.float32]) -> int:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,).
+        """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,).
 
-        Returns of how many frames it now speaks, the newest of them this one: the first rows of `beat`, `downbeat`.
+        Return the number of frames with results, this one being the newest: the first rows of `beat`, `downbeat`.
         """
 
     def reset(self) -> None:
-        """Forget all music so far."""
+        """Reset the recurrent state."""
 
 
 class Hearing:
-    """Feeds a stream of samples, at any rate and block size, to an Activation, frame by frame.
+    """Feeds an audio stream, at any rate and block size, to an Activation, frame by frame.
 
-    After `feed` the frames it completed lie in the first rows of `position`, `beat` and `downbeat`; the next call
+    After `feed` the first rows of `position`, `beat` and `downbeat` hold the completed frames; the next call
     overwrites them. Nothing is allocated from one block to the next.
     """
 
@@ -225,12 +223,12 @@ class Hearing:
 
     @property
     def wanted(self) -> int:
-        """Samples missing until the next frame is full: feed so many to lose no time."""
+        """Samples missing until the next frame is full: feed this many for minimum latency."""
         return self._spectrum.wanted
 
     @property
     def fed(self) -> float:
-        """Seconds of sound fed so far."""
+        """Seconds of audio fed so far."""
         return self._spectrum.fed / self._spectrum.sample_rate
 
     @property
@@ -240,15 +238,14 @@ class Hearing:
 
     @property
     def bad_samples(self) -> int:
-        """Samples that were no sound (NaN, infinite, beyond 64) and became 0, since the start."""
+        """Number of faulty samples (NaN, infinite, beyond 64), which became 0, since the start."""
         return self._spectrum.bad_samples
 
     def feed(self, samples: Samples) -> int:
-        """Hear the next samples, shape (n,), of one channel; returns how many frames they completed.
+        """Process the next samples, shape (n,), of one channel; return the number of frames completed.
 
-        Frame i of them speaks of the moment `position[i]` [s from the first sample fed]: `beat[i]` is the chance
-        that a beat lies there, `downbeat[i]` that a downbeat does (never more than `beat[i]`).
-        Raises ValueError for another shape.
+        Frame i describes the moment `position[i]` [s from the first sample fed]: `beat[i]` is the probability of a beat
+        there, `downbeat[i]` of a downbeat (never more than `beat[i]`). Raises ValueError for another shape.
         """
         if samples.ndim != 1:
             raise ValueError(f"samples of shape {samples.shape}: one channel, shape (n,), expected")
@@ -262,7 +259,7 @@ class Hearing:
         return count
 
     def reset(self) -> None:
-        """Forget the music so far (after a long silence); positions go on."""
+        """Reset after a long silence; positions continue."""
         self._activation.reset()
         self._level = LEVEL_FLOOR
         self._past[:] = 0.0
@@ -281,8 +278,8 @@ class Hearing:
 
     def _make_room(self, frames: int) -> None:
         self.position = np.zeros(frames)
-        """Moments that the frames speak of [s], shape (frames,)."""
+        """Moments that the frames describe [s], shape (frames,)."""
         self.beat = np.zeros(frames)
-        """Chance of a beat, shape (frames,)."""
+        """Probability of a beat, shape (frames,)."""
         self.downbeat = np.zeros(frames)
-        """Chance of a downbeat, shape (frames,)."""
+        """Probability of a downbeat, shape (frames,)."""

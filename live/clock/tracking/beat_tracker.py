@@ -1,4 +1,4 @@
-"""Tracker: sound in, beats with their place in the measure out, each named shortly before it comes."""
+"""Beat tracker: audio to beats with their position in the measure, each announced shortly before it falls."""
 
 import math
 from typing import Final
@@ -12,20 +12,20 @@ from live.clock.tracking.beat_network import Activation, Hearing
 from live.clock.tracking.features import HOP
 
 RECENT: Final = 6.0
-"""A press is a statement about the beats of now if it is not further away than this [s]."""
+"""A tap refers to the present beats if it is no further away than this [s]."""
 
 FRESH_AFTER: Final = 1.0
-"""After a silence longer than this [s] the music may go on with another grid ..."""
+"""After a silence longer than this [s] the music may continue on another grid ..."""
 
 FRESH_TIME: Final = 12.0
-"""... the more easily the longer it was: by half of what is possible after this time [s]."""
+"""... with a probability that grows with its length, up to one half after this time [s]."""
 
 
 class Tracker:
-    """Feeds blocks of any length, at the device's own sample rate, to Hearing, BarPointer and Announcer.
+    """Feeds blocks of any length, at the device's own sample rate, through features, bar pointer and beat announcer.
 
-    Samples that are no sound (NaN, infinite, beyond full scale) become 0 and are counted. In silence the grid is kept
-    and its beats are named on; what the hand sets (tempo, level, the one, metre) is kept as well.
+    Faulty samples (NaN, infinite, beyond 64) become 0 and are counted. In silence the grid is kept
+    and its beats are still announced; manual settings (tempo, level, downbeat, metre) are kept as well.
     """
 
     def __init__(self, sample_rate: float, activation: Activation, model: Model | None = None) -> None:
@@ -36,7 +36,7 @@ class Tracker:
         self._moment = 0.0
         self._one_at = math.inf
         self.pointer = BarPointer(model)
-        """The grid as it is believed now."""
+        """The present grid."""
 
     @property
     def sample_rate(self) -> float:
@@ -45,12 +45,12 @@ class Tracker:
 
     @property
     def wanted(self) -> int:
-        """Samples missing until the next frame: feed so many to lose no time."""
+        """Samples missing until the next frame is full: feed this many for minimum latency."""
         return self._hearing.wanted
 
     @property
     def position(self) -> float:
-        """Seconds of sound fed so far."""
+        """Seconds of audio fed so far."""
         return self._hearing.fed
 
     @property
@@ -60,16 +60,16 @@ class Tracker:
 
     @property
     def bad_samples(self) -> int:
-        """Samples that were no sound and became 0, since the start."""
+        """Number of faulty samples, which became 0, since the start."""
         return self._hearing.bad_samples
 
     @property
     def silent(self) -> bool:
-        """Whether nothing was to be heard for a while."""
+        """Whether it has been silent for a while."""
         return self._quiet.silent
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
-        """Hear the next samples, shape (n,), of one channel; returns the beats named in them, oldest first."""
+        """Process the next samples, shape (n,), of one channel; return the beats announced in them, oldest first."""
         found: list[BeatEstimate] = []
         start = 0
         while start < samples.shape[0] or samples.ndim != 1:
@@ -82,35 +82,36 @@ class Tracker:
         return found
 
     def tap(self, bpm: float, time: float = math.nan) -> None:
-        """The tempo is this [bpm], and its level is kept from now on; ValueError for one that nobody dances to.
+        """Set the tempo [bpm] and keep its metrical level from now on; ValueError for a tempo outside the model's
+        range.
 
-        `time` [s of sound], where it is given, is a beat.
+        `time` [s of audio], if given, is a beat.
         """
         self.pointer.tap(bpm)
         if abs(self._moment - time) <= RECENT:  # not NaN
             self.pointer.beat_pressed((self._moment - time) / HOP)
 
     def one(self, time: float) -> None:
-        """A measure begins at `time` [s of sound]: what lies ahead waits for it, what is long past is left out."""
+        """Start a measure at `time` [s of audio]: a future time is kept until it comes, an old one is ignored."""
         if time > self._hearing.fed or not self._quiet.heard:
             self._one_at = time
         elif abs(self._moment - time) <= RECENT:
             self.pointer.one((self._moment - time) / HOP)
 
     def scale(self, factor: float) -> None:
-        """The beats are twice as fast (2) or half as fast (0.5) as believed; the level is kept from now on."""
+        """Set the beats to twice (2) or half (0.5) the present tempo, and keep the metrical level from now on."""
         self.pointer.scale(factor)
 
     def set_metre(self, beats: int) -> None:
-        """The measure has so many beats; 0: as heard."""
+        """Set the number of beats in a measure; 0: as detected."""
         self.pointer.set_metre(beats)
 
     def let_go(self) -> None:
-        """Nothing is set by hand any more."""
+        """Remove all manual settings."""
         self.pointer.let_go()
 
     def obey(self, former: "Tracker") -> None:
-        """Keep tempo and metre that another tracker, whose place this one takes, was told by hand."""
+        """Copy the manual tempo and metre of another tracker that this one replaces."""
         self.pointer.obey(former.pointer)
 
     def _hear(self, frame: int) -> BeatEstimate | None:

@@ -1,4 +1,4 @@
-"""Compiled steps of hearing: samples into the window, spectra into bands, bands into what the network reads."""
+"""Kernels for audio features: sample buffering, filter bands, network input, and the network's layers."""
 
 import math
 
@@ -11,19 +11,19 @@ Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 
 LOUDEST = 64.0
-"""Samples beyond this are no sound but a fault, and become 0 (full scale is 1)."""
+"""Samples beyond this are faulty and become 0 (full scale is 1)."""
 
 LEVEL_FLOOR = 2e-5
-"""The mean band below which nothing is made louder: about -70 dB of full scale."""
+"""Minimum level for normalisation: about -70 dB of full scale."""
 
 LEVEL_FALL = 0.0028
-"""Share of each frame in a falling level (time constant 4 s): a fade of 2 dB a second is followed."""
+"""Weight of each frame in a falling level (time constant 4 s): a fade of 2 dB a second is followed."""
 
 LEVEL_RISE = 0.045
-"""Share of each frame in a rising level (time constant 0.25 s)."""
+"""Weight of each frame in a rising level (time constant 0.25 s)."""
 
 LEVEL_JUMP = 4.0
-"""A frame this much louder than the level lifts it at once."""
+"""A frame louder than the level by this factor raises it at once."""
 
 CONTRAST = 10.0
 """A band at the level becomes ln(1 + CONTRAST)."""
@@ -31,7 +31,8 @@ CONTRAST = 10.0
 
 @kernel("f8(f4[::1],f4[::1],i8,i8)")
 def append(history: Floats, samples: Floats, start: int, count: int) -> float:
-    """Shift `count` samples from `samples[start:]` into `history`, faults as 0; returns how many were faults."""
+    """Shift `count` samples from `samples[start:]` into `history`, faulty ones as 0; return the number of faulty
+    ones."""
     kept = history.shape[0] - count
     for index in range(kept):
         history[index] = history[index + count]
@@ -47,7 +48,7 @@ def append(history: Floats, samples: Floats, start: int, count: int) -> float:
 
 @kernel("f8(f4[::1],i8)")
 def level_of(history: Floats, count: int) -> float:
-    """RMS of the newest `count` samples."""
+    """Return the RMS of the newest `count` samples."""
     total = 0.0
     for index in range(history.shape[0] - count, history.shape[0]):
         total += float(history[index]) * float(history[index])
@@ -56,7 +57,7 @@ def level_of(history: Floats, count: int) -> float:
 
 @kernel("void(f4[::1],i4[::1],i4[::1],f4[::1],f4[::1])")
 def band_magnitudes(magnitude: Floats, start: Ints, offset: Ints, weight: Floats, out: Floats) -> None:
-    """Weighted sums of a spectrum's magnitudes, one per band, shape (bands,)."""
+    """Compute weighted sums of a spectrum's magnitudes, one per band, shape (bands,)."""
     for band in range(start.shape[0]):
         total = np.float32(0.0)
         first = start[band] - offset[band]
@@ -67,7 +68,7 @@ def band_magnitudes(magnitude: Floats, start: Ints, offset: Ints, weight: Floats
 
 @kernel("f8(f4[::1],f8)")
 def follow_level(bands: Floats, level: float) -> float:
-    """The slow level of the music after one more frame of band magnitudes, from the level before it."""
+    """Return the slow level of the music after one more frame of band magnitudes, from the level before it."""
     mean = 0.0
     for band in range(bands.shape[0]):
         mean += float(bands[band])
@@ -79,7 +80,7 @@ def follow_level(bands: Floats, level: float) -> float:
 
 @kernel("void(f4[::1],f8,i4[::1],f4[:,::1],i8,f4[::1])")
 def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out: Floats) -> None:
-    """What the network reads of one frame: compressed bands, then their rises, shape (2 B,).
+    """Write the network's input for one frame: compressed bands, then their rises, shape (2 B,).
 
     past (P, B) is a ring of compressed bands, written at row `frame` modulo P.
     """
@@ -99,10 +100,9 @@ def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out:
 def filter_bands(
     seen: Floats, first: int, bands: int, weight: Floats, bias: Floats, stride: int, out: Floats, at: int
 ) -> None:
-    """One ear's filters along frequency: weight (2 span, channels) over levels and rises, into out[at:].
+    """Apply one window type's filters along frequency: weight (2 span, channels) over levels and rises, into out[at:].
 
-    The same filters look at every `stride`-th place of the ear's bands, seen[first : first + bands]; negative
-    results become 0.
+    The same filters are applied at every `stride`-th band of seen[first : first + bands]; negative results become 0.
     """
     channels = weight.shape[1]
     span = weight.shape[0] // 2
@@ -125,7 +125,7 @@ def filter_bands(
 
 @kernel("void(f4[::1],f4[:,::1],f4[::1],f4[::1])")
 def layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> None:
-    """values (I,) through weight (I, O) and bias (O,), into out (O,)."""
+    """Apply a dense layer: values (I,) through weight (I, O) and bias (O,), into out (O,)."""
     for column in range(out.shape[0]):
         out[column] = bias[column]
     for row in range(values.shape[0]):
@@ -137,16 +137,16 @@ def layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> None:
 
 @kernel("void(f4[::1])")
 def rectify(values: Floats) -> None:
-    """Negative values become 0."""
+    """Set negative values to 0."""
     for index in range(values.shape[0]):
         values[index] = max(values[index], np.float32(0.0))
 
 
 @kernel("void(f4[::1],f4[::1],f4[::1],f4[::1])")
 def remember(asked: Floats, recalled: Floats, bias: Floats, memory: Floats) -> None:
-    """Gates of one recurrent layer: memory (U,) after a frame, from its input's and its memory's shares (3 U,).
+    """Update one recurrent layer: memory (U,) after a frame, from the input and recurrent terms (3 U,).
 
-    The order is update, reset, candidate; `bias` (U,) is added to the candidate's recalled share before the reset.
+    The order is update, reset, candidate; `bias` (U,) is added to the candidate's recurrent term before the reset.
     """
     units = memory.shape[0]
     for unit in range(units):

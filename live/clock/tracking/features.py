@@ -1,10 +1,8 @@
-"""Bands: where the ear of the tracker listens, in Hz, and the windows and filters that follow for a sample rate.
+"""Audio features: magnitudes in logarithmic frequency bands, from an audio stream of any rate and block size.
 
-Windows are the same length in seconds at every sample rate and filters are made in Hz, so one trained network serves
-all rates without a resampler (filters spaced by a logarithm: Böck and Schedl,
+Windows are the same length in seconds at every sample rate and filters are defined in Hz, so one trained network
+serves all rates without a resampler (filters spaced by a logarithm: Böck and Schedl,
 Enhanced beat tracking with context-aware neural networks, DAFx 2011).
-
-Spectrum: a stream of samples of any rate and block size, cut into frames of band magnitudes.
 """
 
 from dataclasses import dataclass
@@ -25,29 +23,29 @@ HOP: Final = BASE_HOP / BASE_RATE
 
 @dataclass(frozen=True, slots=True)
 class Ear:
-    """One window and the bands that are read from it."""
+    """One analysis window and its bands."""
 
     window: int
     """Length in samples at 44.1 kHz."""
     low_hz: float
     high_hz: float
     per_octave: int
-    """Bands per octave, as far as the window can tell them apart."""
+    """Bands per octave, limited by the window's resolution."""
     coarse_hz: float
-    """From here on there are half as many."""
+    """From this frequency on there are half as many."""
     lag: int
-    """Frames back to what a band's rise is measured against."""
+    """Number of frames back to the reference of a band's rise."""
 
 
 EARS: Final = (
     Ear(window=2048, low_hz=32.0, high_hz=16_000.0, per_octave=12, coarse_hz=3000.0, lag=2),
     Ear(window=4096, low_hz=60.0, high_hz=1600.0, per_octave=12, coarse_hz=1e9, lag=4),
 )
-"""The short window hears drums and attacks, the long one which notes sound."""
+"""The short window is for drums and attacks, the long one for pitches."""
 
 
 def centres(ear: Ear) -> npt.NDArray[np.float64]:
-    """Frequencies [Hz] of an ear's bands, shape (bands + 2,): the first and last are only the outer edges."""
+    """Return the frequencies [Hz] of its bands, shape (bands + 2,): the first and last are only the outer edges."""
     resolution = BASE_RATE / ear.window
     found = [ear.low_hz]
     while found[-1] < ear.high_hz:
@@ -58,40 +56,40 @@ def centres(ear: Ear) -> npt.NDArray[np.float64]:
 
 
 BANDS: Final = tuple(centres(ear).size - 2 for ear in EARS)
-"""Bands of each ear."""
+"""Number of bands of each window type."""
 
 BAND_COUNT: Final = sum(BANDS)
 LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
-"""Per band, frames back to what its rise is measured against, shape (BAND_COUNT,)."""
+"""Per band, number of frames back to the reference of its rise, shape (BAND_COUNT,)."""
 
 
 def window_length(ear: Ear, sample_rate: float) -> int:
-    """Samples of an ear's window at `sample_rate` [Hz]: as many seconds as at 44.1 kHz."""
+    """Return the window length in samples at `sample_rate` [Hz]: as many seconds as at 44.1 kHz."""
     return round(ear.window * sample_rate / BASE_RATE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Filters:
-    """Triangles over the magnitudes of a spectrum, kept as their non-zero stretches."""
+    """Triangular filters over a spectrum's magnitudes, stored as their non-zero parts."""
 
     start: npt.NDArray[np.int32]
     """First bin of each band, shape (bands,)."""
     offset: npt.NDArray[np.int32]
-    """Where each band's weights lie in `weight`, shape (bands + 1,); equal neighbours mark an empty band."""
+    """Offset of each band's weights in `weight`, shape (bands + 1,); equal neighbours mark an empty band."""
     weight: npt.NDArray[np.float32]
 
     @property
     def bins(self) -> int:
-        """How many bins, from 0 Hz on, are read."""
+        """Number of bins, from 0 Hz on, that are used."""
         return int(np.max(self.start + np.diff(self.offset)))
 
 
 def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
-    """An ear's filters for a transform of `length` samples: means of magnitude, wide bands raised by √width.
+    """Return the filters for a transform of `length` samples: means of magnitude, wide bands raised by √width.
 
     So noise of equal strength per Hz gives the same in each band as it would in an energy sum. The magnitude is
     scaled so that a full sine in the middle of a band of one bin gives about 1. Bands beyond half the sample rate
-    stay empty: they hear 0.
+    stay empty: their value is 0.
     """
     edges = centres(ear)
     bin_hz = sample_rate / length
@@ -121,7 +119,7 @@ RATE_MAX_HZ: Final = 400_000.0
 
 
 class Spectrum:
-    """Collects samples until a frame is full and reads its bands; allocates nothing after it was made."""
+    """Collects samples until a frame is full and computes its bands; allocates nothing after its creation."""
 
     def __init__(self, sample_rate: float) -> None:
         """Raises ValueError for a sample rate [Hz] outside 16,000 to 400,000."""
@@ -129,7 +127,7 @@ class Spectrum:
             raise ValueError(f"a sample rate of {sample_rate} Hz: {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} expected")
         self.sample_rate = sample_rate
         self.hop = BASE_HOP * sample_rate / BASE_RATE
-        """Samples per frame; not a whole number at most rates, and kept exactly."""
+        """Hop size in samples; not an integer at most rates, and kept exactly."""
         self.bands = np.zeros(BAND_COUNT, np.float32)
         """Magnitudes of the newest frame, a full sine about 1, shape (BAND_COUNT,)."""
         self.bad_samples = 0
@@ -154,7 +152,7 @@ class Spectrum:
 
     @property
     def next_end(self) -> int:
-        """Samples that have to be taken before the next frame is full, counted from the start."""
+        """Number of samples, counted from the start, at which the next frame is full."""
         return int((self.frames + 1) * self.hop)
 
     @property
@@ -163,14 +161,14 @@ class Spectrum:
         return self.next_end - self.fed
 
     def take(self, samples: Samples, start: int) -> int:
-        """Take samples[start:], shape (n,), up to the end of the frame; returns how many were taken."""
+        """Take samples[start:], shape (n,), up to the end of the frame; return the number taken."""
         taken: int = min(self.wanted, samples.shape[0] - start)
         self.bad_samples += int(append(self._history, samples, start, taken))
         self.fed += taken
         return taken
 
     def read(self) -> None:
-        """Read the frame that has just become full (`wanted` is 0) into `bands`."""
+        """Compute `bands` of the frame that has just become full (`wanted` is 0)."""
         self.level = level_of(self._history, int(self.hop))
         for transform, kept, out in zip(self._transforms, self._filters, self._out, strict=True):
             transform.read(self._history)

@@ -1,4 +1,4 @@
-"""Transform: the tables and the working room for one length of window."""
+"""Windowed magnitude spectrum for one window length, with its tables and work arrays."""
 
 import numpy as np
 import numpy.typing as npt
@@ -8,11 +8,11 @@ from live.clock.tracking.fft_kernels import magnitudes
 Floats = npt.NDArray[np.float32]
 
 PRIMES = (2, 3, 5, 7, 11)
-"""What the length of a fast transform may be made of."""
+"""Prime factors of the length of a fast transform."""
 
 
 def factors(number: int) -> list[int]:
-    """`number` as a product of 4s and `PRIMES`, the 4s first; empty where it has other prime factors."""
+    """Return `number` as a product of 4s and `PRIMES`, the 4s first; empty if it has other prime factors."""
     found = []
     for prime in (4, *PRIMES):
         while number % prime == 0:
@@ -22,7 +22,7 @@ def factors(number: int) -> list[int]:
 
 
 def fast_length(least: int) -> int:
-    """The smallest even number from `least` on that a transform is fast for."""
+    """Return the smallest even number from `least` on for which the transform is fast."""
     length = least + least % 2
     while not factors(length // 2):
         length += 2
@@ -30,10 +30,10 @@ def fast_length(least: int) -> int:
 
 
 class Transform:
-    """Windowed magnitudes of the newest samples; allocates nothing after it was made."""
+    """Windowed magnitudes of the newest samples; allocates nothing after its creation."""
 
     def __init__(self, window: Floats, bins: int) -> None:
-        """window (W,); `bins` is how many of the bins, from 0 Hz on, are wanted.
+        """window (W,); `bins`: number of bins, from 0 Hz on, to compute.
 
         Raises ValueError for more bins than there are.
         """

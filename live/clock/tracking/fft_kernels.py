@@ -1,4 +1,5 @@
-"""The fast Fourier transform of a real signal as a kernel: mixed radix, self-sorting (Stockham), on prepared tables."""
+"""Kernel for the fast Fourier transform of a real signal: mixed radix, self-sorting (Stockham), with precomputed
+tables."""
 
 import math
 
@@ -83,7 +84,7 @@ def magnitudes(
     work: Floats,
     out: Floats,
 ) -> None:
-    """Magnitudes of the first bins, shape (K,), of the newest W samples of `history` times `window` (W,).
+    """Compute the magnitudes of the first bins, shape (K,), of the newest W samples of `history` times `window` (W,).
 
     The signal is padded with zeros to 2 H samples, H the product of `radices`; even and odd samples are the real and
     imaginary parts of H numbers. turn (H,) are the roots e^(-2πi k/H), half (H,) are e^(-πi k/H), work (4, H).

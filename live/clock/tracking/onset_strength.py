@@ -1,7 +1,7 @@
-"""Onsets: a plain activation without any training, the rises of all bands against their usual strength.
+"""Onset strength: a beat activation without training, the rises of all bands relative to their usual strength.
 
-A stand-in where there are no weights: spectral flux (Dixon, Onset detection revisited, DAFx 2006), squashed. It knows
-no downbeats: the low bands' rises stand for them.
+A fallback without weights: spectral flux (Dixon, Onset detection revisited, DAFx 2006) through a sigmoid. It does not
+detect downbeats: the rises of the low bands replace them.
 """
 
 import math
@@ -13,10 +13,10 @@ import numpy.typing as npt
 from live.clock.tracking.features import BAND_COUNT
 
 LOW_BANDS: Final = 6
-"""Bands of the short window below about 160 Hz: bass drum, bass."""
+"""Number of bands of the short window below about 160 Hz: bass drum, bass."""
 
 MEMORY: Final = 0.004
-"""Share of each frame in the usual strength (time constant 3 s)."""
+"""Weight of each frame in the usual strength (time constant 3 s)."""
 
 
 class Onsets:
@@ -28,13 +28,13 @@ class Onsets:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the usual strength."""
+        """Reset the usual strength."""
         self._held = (0.0, 0.0)
         self._usual = 0.02
         self._spread = 0.02
 
     def step(self, look: npt.NDArray[np.float32]) -> int:
-        """Take one frame's compressed bands and rises, shape (2 * BAND_COUNT,); returns 1."""
+        """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 1."""
         rises = look[BAND_COUNT:]
         flux = float(rises.mean())
         low = float(rises[:LOW_BANDS].mean())

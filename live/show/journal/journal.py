@@ -151,7 +151,7 @@ def trouble_of(facts: Mapping[str, int]) -> str:
 
 def _about(count: int) -> str:
     """Return a count rounded down to a power of two, in words."""
-    return str(count) if count < 2 else f"{1 << (count.bit_length() - 1)} and more"
+    return str(count) if count < 2 else f"{1 << (count.bit_length() - 1)} or more"
 
 
 def line_of(tick: int, event: ControlEvent) -> str:

@@ -1,1 +1,1 @@
-"""The patch: its model, reader, checks and search path. It may import what `show` may."""
+"""The show's patch: model, reader, checks, search path and hot reload. It may import what `show` may."""

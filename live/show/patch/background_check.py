@@ -1,4 +1,4 @@
-"""Drafting: what is danced of the measures that were chosen, before they are laid down: variety, mixtures, turns."""
+"""Draft of each dancer's next measure: variations, mixture of two takes, and turns of the chosen steps."""
 
 from typing import Final
 
@@ -18,28 +18,28 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 HALF_SHARE: Final = 0.125
-"""Half of what lies between the shares of T069: by so much a chosen share is refined."""
+"""Half the spacing of the shares of T069: a chosen share is refined within this range."""
 LEAST_MIX: Final = 0.1
-"""Two takes that end nearer to each other than this [m] are not mixed otherwise for the place's sake."""
+"""The share is not refined for the end position if two takes end nearer to each other than this [m]."""
 STRAY_MIX: Final = 0.1
-"""A mixture that is drawn for variety moves the end of a measure by this much [m] at most."""
+"""A mixture drawn for variety moves the end of a measure by at most this distance [m]."""
 
 
 class Drafting:
-    """The coming measure of every dancer as far as it is worked out: `vary`, `mix` and `turn`, in this order."""
+    """Works out the next measure of every dancer: call `vary`, `mix` and `turn`, in this order."""
 
     def __init__(self, dancers: Dancers, choices: Choices, aims: Aims) -> None:
-        """`take_graph` has to be called before anything else."""
+        """`take_graph` must be called first."""
         self._dancers, self._choices, self._aims = dancers, choices, aims
         self.draft = Danced(dancers.graph, len(dancers.node))
 
     def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
-        """Go on in this graph; nobody's next measure is decided."""
+        """Switch to this graph; no dancer's next measure is decided then."""
         self.draft.graph = graph
         self._choosing = choosing
 
     def vary(self, measure: int) -> None:
-        """What is danced of what was chosen: nodes, and how each dancer varies them."""
+        """Set the nodes of the chosen steps and draw each dancer's variation of them."""
         dancers, choices, draft = self._dancers, self._choices, self.draft
         graph, edge = dancers.graph, choices.edge
         choices.node[:] = np.where(edge < 0, -1, graph.edge_target[np.maximum(edge, 0)])
@@ -48,7 +48,10 @@ class Drafting:
         dancers.variation.draw(measure, draft)
 
     def mix(self, axes: Float64, support: Float64) -> None:
-        """Mixtures where they are needed, else the variety's; `axes` and `support` as the choice was asked."""
+        """Set the mixtures that the choice needs, else those drawn for variety.
+
+        `axes` and `support` are those with which the step was selected.
+        """
         choices, draft, graph = self._choices, self.draft, self._dancers.graph
         candidates = self._choosing.candidates
         row = np.maximum(choices.candidate[:, 0], 0)
@@ -60,12 +63,12 @@ class Drafting:
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
         draft.take_share[0, needed] = self._refined(row, axes, support)[needed]
-        # arms are of one clip, the nearer, so that they are not blurred; or as far of the other as variety has drawn
+        # arms follow one clip, the nearer one, so that they are not blurred; or the other by the share drawn for variety
         drawn = draft.take_share[1, needed]
         draft.take_share[1, needed] = np.where(draft.take_share[0, needed] > 0.5, 1.0 - drawn, drawn)
 
     def turn(self, axes: Float64) -> None:
-        """How far everybody is turned beyond her measure: headings change no more until the decision."""
+        """Set each dancer's turn beyond the measure's own; headings stay as they are until the decision."""
         draft, graph = self.draft, self._dancers.graph
         yaw = axes[:, 2] + graph.edge_transform[np.maximum(self._choices.edge[:, 0], 0), 2]
         draft.correction[:] = draft.aimed[:] = 0.0
@@ -73,7 +76,7 @@ class Drafting:
         draft.correction[:, 2] = np.clip(wrapped(self._aims.heading - yaw - self._own_heading(draft)), -most, most)
 
     def _refined(self, row: Int32, axes: Float64, support: Float64) -> Float64:
-        """Shares (A,) with which the candidates `row` (A,) end as near as they can, within half a step of T069."""
+        """Shares (A,) with which candidates `row` (A,) end nearest to their targets, within half a step of T069."""
         candidates, choices, graph = self._choosing.candidates, self._choices, self._dancers.graph
         yaw = axes[:, 2] + graph.edge_transform[np.maximum(choices.edge[:, 0], 0), 2] + support * choices.end[:, 2]
         share = candidates.share[row]
@@ -84,7 +87,7 @@ class Drafting:
         return np.asarray(share + np.clip(more, -HALF_SHARE, HALF_SHARE))
 
     def _own_heading(self, danced: Danced) -> Float64:
-        """Heading at the end of each measure, or on the average (T122), in its clip's own axes, (A,) [rad]."""
+        """Heading at the end of each measure, or its average (T122), in the clip's own axes, (A,) [rad]."""
         own = danced.own_end()[1]
         average = self._dancers.variation.face_average
         return np.asarray(own + average * wrapped(self._dancers.graph.node_facing_mean[danced.node] - own))

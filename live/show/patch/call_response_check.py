@@ -1,4 +1,4 @@
-"""Call and response that cannot be: nobody calls, or nobody ever answers; and what of it is doubtful (T015)."""
+"""Checks of call and response in a score: errors if no group calls or answers, and notes on doubtful phrases (T015)."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from live.show.score.section_span import Sectioned, Stay, stay_of
 
 
 class Answering(Sectioned, Protocol):
-    """What is looked at of a patch."""
+    """The part of a patch that these checks read."""
 
     @property
     def group(self) -> Sequence[GroupSection]: ...
@@ -31,22 +31,22 @@ class _Voice:
 
     @property
     def caller(self) -> str | None:
-        """Whom it answers, folded."""
+        """Name of the group that it answers, casefolded."""
         return None if self.asked.answers is None else self.asked.answers.casefold()
 
     @property
     def only_repeats(self) -> bool:
-        """Whether it has nothing of its own to say: it listens, and answers with the same."""
+        """Whether it dances nothing of its own: it listens, and answers with the same steps."""
         return self.asked.listening is not None and self.asked.answer == "same"
 
     def covers(self, other: "_Voice") -> bool:
-        """Whether it lasts as long as the other one, or longer."""
+        """Whether it lasts at least over all measures of the other one."""
         here, there = self.stay, other.stay
         return here.section == there.section and here.begin <= there.begin and here.end >= there.end
 
 
 def check_answers(patch: Answering) -> None:
-    """Amiss where nobody calls, or where it is over before anybody answers."""
+    """Raise Amiss if no group calls, or if an improvisation ends before its first answer."""
     for index, entry in enumerate(patch.improvise):
         if entry.answers is None:
             continue
@@ -54,7 +54,7 @@ def check_answers(patch: Answering) -> None:
         lasts = stay.end - stay.begin
         if lasts <= entry.phrase:
             words = (
-                f"phrase {entry.phrase}: every second phrase is an answer, and after {lasts:g} measures it is over: "
+                f"phrase {entry.phrase}: every second phrase is an answer, but it ends after {lasts:g} measures: "
                 f"{f'{int(lasts) // 2} at most' if lasts >= 2 else 'at least 2 measures are needed'}"
             )
             raise Amiss(words, "improvise", index, "phrase")
@@ -72,7 +72,7 @@ def check_answers(patch: Answering) -> None:
 
 
 def answer_doubts(patch: Answering) -> list[str]:
-    """Calls that overlap, phrases that do not fit into one another, a last call that nobody answers."""
+    """Return notes on calls that overlap, phrases of different length, and a last call without an answer."""
     notes = []
     for circle in _circles(patch):
         if len(circle) == 1:
@@ -90,7 +90,7 @@ def answer_doubts(patch: Answering) -> list[str]:
 
 
 def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
-    """What does not fit together in the phrases of one who answers."""
+    """Notes on phrases of an answering group that do not fit those of its callers."""
     size = voice.asked.phrase
     where = f"improvise {voice.index + 1}"
     for other in callers:
@@ -100,12 +100,12 @@ def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
         if meet and written and theirs % size and size % theirs:
             yield (
                 f"{where}: {voice.group!r} answers in phrases of {size} measures, and {other.group!r} calls in "
-                f"phrases of {theirs}: answers come in the midst of its phrases; phrase = {theirs} for both"
+                f"phrases of {theirs}: answers begin in the middle of its phrases; phrase = {theirs} for both"
             )
     lasts = voice.stay.end - voice.stay.begin
     if isfinite(lasts) and 0 < (left := int(lasts) % (2 * size)) <= size:
         yield (
-            f"{where}: after {int(lasts)} measures it is over, and the call of its last {left} has no answer: "
+            f"{where}: it ends after {int(lasts)} measures, and the call of its last {left} has no answer: "
             f"phrases of {size} measures fit into a multiple of {2 * size}"
         )
 
@@ -127,7 +127,7 @@ def _of_group(voices: list[_Voice]) -> dict[str, list[_Voice]]:
 
 
 def _circles(patch: Answering) -> Iterator[list[_Voice]]:
-    """Voices each of which answers the next, and the last one the first, all of them over the same measures."""
+    """Cycles of groups over the same measures in which each answers the next, and the last answers the first."""
     of_group = _of_group(_voices(patch))
     told: set[frozenset[tuple[int, str]]] = set()
     for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):

@@ -1,4 +1,4 @@
-"""Cues that come back to themselves, by calls, by signals that they give, by `then = "auto"`: before they play."""
+"""Detection of cycles among cues, through calls, signals and `then = "auto"`, before a show runs."""
 
 import heapq
 import math
@@ -13,27 +13,27 @@ from live.show.patch.section_cues import CueSection
 CUE: Final = "/dance/cue"
 SIGNAL: Final = "/dance/signal"
 Node = int | str
-"""What happens: a cue, by its index, or a signal, by its folded name."""
+"""A cue, by its index, or a signal, by its folded name."""
 Ways = dict[Node, list[tuple[float, Node]]]
-"""What each brings with it, and after how many beats at least."""
+"""For each node the nodes that it triggers, with the least number of beats in between."""
 
 
 @dataclass(frozen=True, slots=True)
 class CueLoop:
-    """A cue that calls its way back to itself."""
+    """A cue that triggers itself, directly or through others."""
 
     cue: int
     """Its index in the patch."""
     itself: bool
-    """Whether it calls itself, and nothing comes in between."""
+    """Whether it calls itself directly."""
     beats: float
-    """How soon it comes again, at least."""
+    """Least number of beats until it comes again."""
     place: tuple[str | int, ...]
     """The keys of the call that begins the loop."""
 
 
 def cue_loops(patch: Written, within: float = math.inf) -> Iterator[CueLoop]:
-    """The loops of a patch that take no longer than `within` beats: of those that share cues the first one found."""
+    """Yield the loops that take at most `within` beats; of loops that share cues, only the first one found."""
     names = names_of(patch.cue)
     for index, cue in enumerate(patch.cue):
         for row, call in enumerate(cue.calls):
@@ -58,7 +58,7 @@ def cue_loops(patch: Written, within: float = math.inf) -> Iterator[CueLoop]:
 
 
 def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
-    """Cues by number and by folded name: the first one that is called so."""
+    """Index of each cue by number and by folded name; the first one wins."""
     names: dict[str, int] = {}
     for index, cue in enumerate(cues):
         names.setdefault(_folded(cue.name), index)
@@ -68,7 +68,7 @@ def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
 
 
 def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
-    """The cue or signal that a call gives; None if it does something else."""
+    """The cue or signal that a call triggers; None for any other call."""
     if len(call) < 2 or call[0] not in (CUE, SIGNAL):
         return None
     name = _folded(str(call[1]))
@@ -76,13 +76,13 @@ def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
 
 
 def _wait(cue: CueSection, beats: int) -> float:
-    """Beats that pass at least before a cue comes that is given where it came before."""
+    """Least number of beats before a cue happens that was called at the point of its last run."""
     least = {"now": 0.0, "beat": 1.0}.get(cue.when, float(beats))
     return max(cue.count_in, least)
 
 
 def _ways(patch: Written) -> Ways:
-    """All ways from cue to cue, signals between them."""
+    """All edges between cues, with signals as nodes in between."""
     beats, names = patch.clock.beats_per_measure, names_of(patch.cue)
     ways: Ways = {}
 
@@ -104,7 +104,7 @@ def _ways(patch: Written) -> Ways:
 
 
 def _circling(ways: Ways) -> Ways:
-    """The ways without those to which no circle leads: in most patches nothing is left."""
+    """The edges without the nodes that no cycle leads to; empty for most patches."""
     into = Counter(there for leads in ways.values() for _, there in leads)
     left = dict(ways)
     first = [here for here in ways if not into[here]]
@@ -117,7 +117,7 @@ def _circling(ways: Ways) -> Ways:
 
 
 def _shortest(ways: Ways, begins: Node, end: Node, within: float) -> tuple[float, list[Node]]:
-    """Beats from one to the other at least, and the way (Dijkstra); an empty one if none takes at most `within`."""
+    """Least beats between two nodes, and the path (Dijkstra); an empty path if all take more than `within` beats."""
     before: dict[Node, Node | None] = {}
     coming: list[tuple[float, int, Node, Node | None]] = [(0.0, 0, begins, None)]
     count = 0

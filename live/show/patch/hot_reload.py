@@ -1,7 +1,7 @@
-"""PatchWatch: a thread that sees the files of a patch change while its show runs, proves the new patch and offers it.
+"""Hot reload of a patch: a thread watches its files, validates an edit and offers it to the running show.
 
-The thread reads the files, checks them, and builds a whole fresh show of them: what does not start there is told and
-never reaches the stage, where the last good patch goes on. Only then the event is posted that the show acts on.
+The thread reads and checks the files and builds a whole new show from them. An edit that fails there is reported and
+never reaches the stage; the last good patch stays in force. Only a patch that starts is posted as an event.
 """
 
 import gc
@@ -29,15 +29,15 @@ from live.show.venue.venue_output import in_hall
 from live.show.view.render_scene import backgrounds_of
 
 POLL_S: Final = 0.05
-"""Seconds between two looks at the files; they must look the same twice, so that nothing half written is read."""
+"""Seconds between two polls; two equal polls are required, so that no half-written file is read."""
 STEPS_EVERY: Final = 20
-"""Looks from one at the steps to the next: recordings are long files, and are written slowly."""
+"""The step folder is polled once in this many polls: recordings are long files that take long to write."""
 LONGEST: Final = 2_000_000
-"""Characters of a packed patch at most: more than 20,000 entries take."""
+"""Largest length of a packed patch [characters]; enough for more than 20,000 entries."""
 
 
 class PatchWatch:
-    """Watches the files of one patch, and in the same thread (`library`) the folder of its steps."""
+    """Watches the files of one patch and, with `library`, its step folder in the same thread."""
 
     def __init__(
         self,
@@ -48,12 +48,12 @@ class PatchWatch:
         now: Callable[[], float],
         library: LibraryWatch | None = None,
     ) -> None:
-        """`post` takes the event that calls for the new patch, at the time `now()`."""
+        """`post` receives the event that requests the new patch, with the time `now()`."""
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
         self._patch, self._graph = show.patch, show.graph
         self._text = written_text(self._patch)
-        self._asked = self._patch  # as it was written last, with what waits for the next start
+        self._asked = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
             library.prove = lambda graph: show.another(self._patch, graph)
         self._seen = self._taken = stamp_of_files(loaded.path)
@@ -61,26 +61,26 @@ class PatchWatch:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="patch watch", daemon=True)
         self.version = version_of(self._text)
-        """The patch that was offered last; at first the one that the show began with."""
+        """Version of the patch that was offered last; at first that of the patch the show began with."""
         self.problem = ""
-        """Why the last edit could not be taken; empty if it could."""
+        """Why the last edit was refused; empty if it was accepted."""
         self.told = ""
-        """What the last edit changes, and what of it waits for a new start, in words; empty before."""
+        """Message on what the last edit changes and which keys wait for a new start; empty before the first edit."""
         self.waits: tuple[str, ...] = ()
-        """Keys of the last edit that wait for a new start."""
+        """Keys of the last edit that take effect only after a new start."""
 
     def start(self) -> None:
-        """Begin to watch."""
+        """Start the watching thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End, and wait for what is being read."""
+        """Stop the thread and wait until its current read has ended."""
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join(timeout=10.0)
 
     def facts(self) -> dict[str, Any]:
-        """For the status: which patch is in force, what is wrong with the last edit, what waits for a new start."""
+        """Return status values: the patch in force, the last edit's problem, and keys that wait for a new start."""
         return {"version": self.version, "problem": self.problem, "waits": list(self.waits)}
 
     def _run(self) -> None:
@@ -94,7 +94,7 @@ class PatchWatch:
             self.tidy()
 
     def tidy(self) -> None:
-        """Free what is left over of patches that were tried or taken: shows, in circles. To be called after `look`."""
+        """Free the shows of patches that were tried or replaced (they hold reference cycles). Call after `look`."""
         over = self._failed, self._show.reloading.taken
         if over != self._over:
             self._over = over
@@ -102,11 +102,11 @@ class PatchWatch:
             gc.collect()
 
     def look(self, *, steps: bool = True) -> bool:
-        """Look once, at the `steps` as well or not; True if a patch was offered."""
+        """Poll the files once, with `steps` the step folder too; return True if a patch was offered."""
         joined = steps and self._library is not None and self._library.look()
         stamp = stamp_of_files(self._loaded.path)
         settled, self._seen = stamp == self._seen, stamp
-        again = joined and bool(self.problem)  # the step that it names may have come now
+        again = joined and bool(self.problem)  # the step that the problem names may exist now
         if not (settled and stamp != self._taken) and not again:
             return False
         self._taken = stamp
@@ -116,13 +116,13 @@ class PatchWatch:
         except (PersonError, OSError) as error:
             self.problem = f"patch: {error}; the last good one goes on"
             return False
-        except Exception as error:  # the program's own fault: the watch goes on, and whoever saved it is told
+        except Exception as error:  # a fault of the program: keep watching, and report it to the author of the edit
             FAULTS.note("the reader of the patch", error)
             self.problem = f"patch: it cannot be taken ({type(error).__name__}: {error}); the last good one goes on"
             return False
 
     def _read(self) -> bool:
-        """Read, prove and offer what stands in the files now."""
+        """Read, validate and offer the current files."""
         graph = self._graph if self._library is None else self._library.graph
         patch, sources = read_sources(self._loaded.path)
         patch = patch_for(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
@@ -130,18 +130,18 @@ class PatchWatch:
         self._check_files(patch, sources)
         patch, self.waits = fitted(patch, self._patch)
         text = written_text(patch)
-        if text == self._text:  # only what has to wait, comments, or back to what it was
+        if text == self._text:  # only comments or keys that wait changed, or the edit was undone
             mended, self.problem = bool(self.problem), ""
             self._tell((), sources)
             if mended and not self.told:
-                self.told = "patch: mended; it says what is danced already"
+                self.told = "patch: mended; it is the same as the patch in force"
             return False
         if len(packed(text)) > LONGEST:
             raise PersonError("the patch is too long to be taken while the show runs")
         if patch.picture.own != self._patch.picture.own:
             try_passes(patch.picture.own_passes)
         prepared = self._proved(text, graph, sources)
-        walk_ahead(prepared.fresh.patch, "patch")  # for snapshots
+        walk_ahead(prepared.fresh.patch, "patch")  # snapshots need this
         self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
         if self._library is not None:
             self._library.graph = prepared.fresh.graph
@@ -153,7 +153,7 @@ class PatchWatch:
         return True
 
     def _check_files(self, patch: Patch, sources: TomlSources) -> None:
-        """PersonError for a file that the next start would refuse: it is told now, when somebody looks."""
+        """Raise PersonError for a file that the next start would refuse, so that the author hears of it now."""
         with told_with_place(sources):
             if patch.character != self._asked.character:
                 check_characters(patch, self._loaded.path)
@@ -178,17 +178,17 @@ class PatchWatch:
 
 
 def _place(key: str) -> tuple[str | int, ...]:
-    """A key in words as the path to it: "group.1.dancers"."""
+    """Path of a key that is written as in "group.1.dancers"."""
     return tuple(int(part) - 1 if part.isdecimal() else part for part in key.split("."))
 
 
 def stamp_of_files(path: Path) -> Stamp:
-    """Names, times and sizes of the files of a patch: it changes when they do."""
+    """Names, modification times and sizes of the files of a patch."""
     rows = []
     try:
         for file in (*patch_files(path), *own_pass_files(path)):
             facts = file.stat()
             rows.append((str(file), facts.st_mtime_ns, facts.st_size))
-    except (OSError, PersonError):  # it is being moved: look again later
+    except (OSError, PersonError):  # the files are being moved: the next poll reads them
         return ()
     return tuple(rows)

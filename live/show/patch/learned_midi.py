@@ -1,6 +1,6 @@
-"""What MIDI controllers were taught, beside the patch: NAME.midi.toml, which is read as a part of it.
+"""Writer for learned MIDI mappings: NAME.midi.toml next to the patch, which is read as a part of it.
 
-It is written so that all that a person wrote in it stays as it is.
+Everything that a person wrote in the file is kept.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from live.show.patch.patch_search_path import is_file, learned_path
 from live.show.patch.section_base import Section
 from live.show.patch.section_io import MidiMapSection
 
-HEAD: Final = "# What MIDI controllers were taught while the show ran (/dance/midi/learn); a part of {patch}.\n"
+HEAD: Final = "# MIDI mappings learned while the show ran (/dance/midi/learn); a part of {patch}.\n"
 
 
 class _Midi(Section):
@@ -31,21 +31,21 @@ class _Learned(Section):
 
 
 def changed_learned(patch: Path, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
-    """The text that the file beside `patch` gets: without what was learned for the controls `forgotten`, and with
-    `learned`, each in place of what was played by the same. PersonError if what is there is wrong."""
+    """Return the new text of the file next to `patch`: without the mappings of the controls `forgotten`, and with
+    `learned`, each of which replaces a mapping of the same MIDI message. PersonError if the present file is invalid."""
     path = learned_path(patch)
     before = read_text(path, "MIDI map") if is_file(path) else ""
     parse_model(before, str(path), _Learned, "MIDI map")
     try:
         text = with_learned(before or HEAD.format(patch=patch.name), learned, forgotten)
     except TOMLKitError as error:
-        raise PersonError(f"{path}: {error}", "repair it, and learn that again") from None
+        raise PersonError(f"{path}: {error}", "repair it, and learn the mapping again") from None
     parse_model(text, str(path), _Learned, "MIDI map")
     return text
 
 
 def with_learned(text: str, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
-    """The TOML `text` with these changes; comments and everything else are kept."""
+    """Return the TOML `text` with these changes; comments and everything else are kept."""
     document = tomlkit.parse(text)
     if "midi" not in document:
         document["midi"] = tomlkit.table(is_super_table=True)

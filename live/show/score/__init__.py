@@ -1,1 +1,1 @@
-"""The score: sections, sequences, improvisation, reactions to music. It may import what `show` may."""
+"""Score interpreter: sections, sequences, improvisation and reactions to music. It may import what `show` may."""

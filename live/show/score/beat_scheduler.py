@@ -1,4 +1,4 @@
-"""Agenda: events that shall happen at a beat, in the order of their beats, with the tick that holds it (T016)."""
+"""Scheduler for events that are due at a danced beat: a heap ordered by beat, read once per tick (T016)."""
 
 import heapq
 import math
@@ -7,13 +7,13 @@ from typing import Any, Final
 from live.control.events.event import ControlEvent
 
 MOST: Final = 100_000
-"""Events that may wait."""
+"""Maximum number of waiting events."""
 AT_ONCE: Final = 256
-"""Events that happen in one tick at most: whatever calls itself again and again stops no show."""
+"""Maximum number of events fired in one tick, so that an event that reschedules itself cannot block the show."""
 
 
 class Agenda:
-    """Waiting events by danced beat: (measure + how far it is) times the beats of a measure. Thread: the show's."""
+    """Events that wait for a danced beat: (measure + phase) times the beats of a measure. Thread: the show's."""
 
     def __init__(self) -> None:
         self._heap: list[tuple[float, int, float, ControlEvent]] = []
@@ -21,30 +21,30 @@ class Agenda:
         self._before = -math.inf
         self._tick = 1.0
         self.fired = 0
-        """Events that have happened."""
+        """Events fired so far."""
         self.late_ticks_max = 0
-        """The most ticks by which one came after the tick that holds its beat ..."""
+        """Largest delay of an event after the tick that contains its beat [ticks]."""
         self.late = 0
-        """... how many came later than one tick ..."""
+        """Events that fired more than one tick late."""
         self.dropped = 0
-        """... and how many found no room."""
+        """Events dropped because the queue was full."""
 
     def __len__(self) -> int:
         return len(self._heap)
 
     def put(self, beat: float, event: ControlEvent) -> None:
-        """Let `event` happen at the danced `beat`; of one beat, in the order in which they were put."""
+        """Schedule `event` for the danced `beat`. Events of the same beat fire in the order of their `put` calls."""
         if len(self._heap) >= MOST:
             self.dropped += 1
             return
         self._order += 1
-        due = max(beat, self._before)  # whoever asks for what is over already is late herself
+        due = max(beat, self._before)  # an event put in the past counts its lateness from now
         heapq.heappush(self._heap, (beat, self._order, due, event))
 
     def fire(self, until: float) -> list[ControlEvent]:
-        """What is due by the danced beat `until`, in order; to be called at least once in every tick.
+        """Return the events due by the danced beat `until`, in order; call it at least once in every tick.
 
-        What these events put for a beat that is due already comes with the next call.
+        Events that these events schedule for a beat already due come with the next call.
         """
         before, self._before = self._before, max(until, self._before)
         if until > before > -math.inf:
@@ -62,7 +62,7 @@ class Agenda:
         return events
 
     def withdraw(self, source: str, begin: float) -> int:
-        """Forget what `source` has put for `begin` or later; how many that were."""
+        """Remove the events of `source` at danced beat `begin` or later, and return how many were removed."""
         kept = [entry for entry in self._heap if entry[0] < begin or entry[3].source != source]
         gone = len(self._heap) - len(kept)
         if gone:
@@ -71,11 +71,11 @@ class Agenda:
         return gone
 
     def clear(self) -> None:
-        """Forget all that waits."""
+        """Remove all waiting events."""
         self._heap.clear()
 
     def figures(self) -> dict[str, Any]:
-        """For the status: events that happened, that wait, and how late they were at most, in ticks."""
+        """Return counters for the status: events fired and waiting, and the largest delay in ticks."""
         return {
             "fired": self.fired,
             "waiting": len(self._heap),

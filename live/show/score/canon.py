@@ -1,4 +1,4 @@
-"""Echo: a group that dances what another one danced some measures ago (canon, T147)."""
+"""Canon between groups: a group that repeats another group's steps some measures later (T147)."""
 
 from collections import OrderedDict
 from typing import Final, Literal, Protocol
@@ -8,11 +8,11 @@ from live.graph.search.sequence_spec import Wanted
 from live.show.score.step_program import GroupProgramme, Nodes
 
 REMEMBERED: Final = 80
-"""Measures kept of what the other group was asked to dance: more than the longest canon."""
+"""Measures of the leader's steps that are kept: more than the longest canon."""
 
 
 class Programme(Protocol):
-    """Which step a group should dance in which measure: `GroupProgramme`, or its `Echo`."""
+    """Source of the wanted step of a group for each measure: `GroupProgramme`, or its `Echo`."""
 
     travel_step: int | None
     steps: list[int]
@@ -32,13 +32,14 @@ class Programme(Protocol):
 
 
 class Echo:
-    """Says of each measure what `leader` said `measures` before; a sequence set for this group alone frees it.
+    """Canon of `leader`: wants in each measure what the leader wanted some measures before.
 
-    Calls reach the leader and come through in their time. The leader must be asked about a measure first.
+    A sequence set for this group alone ends the canon until `release`. Called steps go to the leader and arrive here
+    with the canon's delay. Ask the leader for a measure before the echo.
     """
 
     def __init__(self, leader: GroupProgramme, own: GroupProgramme, *, measures: int) -> None:
-        """`own`: the programme that a sequence set live goes to; `measures`: how much later, 0 to `REMEMBERED` - 1."""
+        """`own`: the program for sequences set live; `measures`: the delay, 0 to `REMEMBERED` - 1."""
         self._leader = leader
         self._own = own
         self._later = measures
@@ -50,18 +51,18 @@ class Echo:
         self.into = 0
 
     def take_patch(self, fresh: "Echo") -> None:
-        """Echo as another patch says."""
+        """Adopt the settings of an edited patch."""
         self._later, self.travel_step = fresh._later, fresh.travel_step
         self._own.take_patch(fresh._own)
         self.steps = self._own.steps
 
     def follow(self, leader: GroupProgramme) -> None:
-        """Echo this one from now on."""
+        """Repeat this leader from now on."""
         self._leader = leader
 
     def wanted(self, measure: int, nodes: Nodes) -> int:
-        """The step to dance in `measure`; before the leader's first one, her first."""
-        # whoever is free remembers what the leader dances all the same: she will follow again
+        """Return the step to dance in `measure`; before the leader's first measure, the leader's first step."""
+        # the leader's steps are recorded during an own sequence too: the canon resumes after it
         self._said[measure] = (self._leader.wanted(measure, nodes), self._leader.coming, self._leader.into)
         if len(self._said) > REMEMBERED:
             self._said.popitem(last=False)
@@ -74,18 +75,18 @@ class Echo:
         return step
 
     def call(self, step: int, *, measures: float) -> None:
-        """A called step comes through from the leader; only a group that was freed dances it at once."""
+        """Call a step at once if the group dances a sequence of its own; otherwise the call arrives from the leader."""
         if self._free:
             self._own.call(step, measures=measures)
 
     def dance(self, wanted: list[Wanted]) -> None:
-        """Dance these instead of what the leader danced."""
+        """Dance this sequence instead of the canon."""
         self._free = True
         self._own.dance(wanted)
 
     @property
     def live(self) -> tuple[Wanted, ...]:
-        """The sequence that was set live for this group alone; empty: none."""
+        """The sequence set live for this group alone; empty: none."""
         return self._own.live if self._free else ()
 
     def release(self) -> None:
@@ -94,18 +95,18 @@ class Echo:
         self._own.release()
 
     def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
-        """Whose steps it dances in `measure`; what it echoes is its own."""
+        """Return the origin of the steps of `measure`; repeated steps count as the group's own."""
         return self._own.part_kind(measure)
 
     def improvise(self, on: bool) -> None:
-        """Choose its steps itself, or echo again."""
+        """Switch improvisation on, or return to the canon."""
         self._own.improvise(on)
 
     def take_back(self, measure: int) -> None:
-        """What was said of `measure`, which has not begun, shall not have been."""
+        """Undo the answer for `measure`, which has not begun."""
         self._own.take_back(measure)
         self._said.pop(measure, None)
 
     def take_graph(self, graph: MotionGraph) -> None:
-        """Choose in a graph that has all nodes and steps of the old one."""
+        """Use a graph that contains all nodes and steps of the old one."""
         self._own.take_graph(graph)

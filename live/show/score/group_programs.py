@@ -1,4 +1,4 @@
-"""The programmes of all groups of a patch: their own, or echoes of others (T147), each with its part in the score."""
+"""Builder for the step programs of all groups of a patch: own programs or canons (T147), with their score parts."""
 
 from live.graph.motion_graph import MotionGraph
 from live.show.patch.patch import Patch
@@ -14,8 +14,10 @@ from live.show.score.step_program import GroupProgramme
 def programmes_of(
     patch: Patch, graph: MotionGraph, seed: int, score: Score | None = None, mood: Mood | None = None
 ) -> list[Programme]:
-    """One for each group, in the patch's order; UnknownStep if a group names a step that is not there, PersonError for
-    a part of the score that cannot be."""
+    """Return one program for each group, in the patch's order.
+
+    Raises UnknownStep if a group names a missing step, PersonError for an invalid part of the score.
+    """
     score, mood = score or Score(patch), mood or Mood()
     check_calls(patch, graph)
     own: list[GroupProgramme] = []
@@ -38,9 +40,9 @@ def programmes_of(
 
 
 def take_programmes(running: list[Programme], fresh: list[Programme], patch: Patch) -> None:
-    """Let groups go on with what `patch`, whose programmes are `fresh`, says; who dances the same goes on undisturbed.
+    """Update running programs to the edited `patch`, whose programs are `fresh`.
 
-    What was called or set live stays.
+    Unchanged groups continue without interruption. Called steps and sequences set live stay.
     """
     for index, (own, new) in enumerate(zip(running, fresh, strict=True)):
         match own, new:
@@ -54,5 +56,5 @@ def take_programmes(running: list[Programme], fresh: list[Programme], patch: Pat
     for programme, section in zip(running, patch.group, strict=True):
         if isinstance(programme, Echo) and section.like is not None:
             leader = running[names.index(section.like)]
-            assert isinstance(leader, GroupProgramme)  # whoever is echoed echoes nobody
+            assert isinstance(leader, GroupProgramme)  # a leader is never an echo itself
             programme.follow(leader)

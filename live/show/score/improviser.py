@@ -1,10 +1,7 @@
-"""Improviser: chooses the steps of one group by weights, by what the music is like, and by what others have danced.
+"""Improvisation for groups: `[[improvise]]` tables draw steps by weights, music and what other groups danced.
 
-All chance comes of (seed, section, turn, group, measure): the same events give the same dance, live or replayed.
-
-Tables of improvisation: one `[[improvise]]` for one group, its names looked up in the library.
-
-What improvisation does to the group's motion: with each phrase something is drawn and called.
+All random choices derive from (seed, section, turn, group, measure), so the same events give the same dance, live or
+replayed. `ImprovisedMotion` draws motion calls at each phrase.
 """
 
 from dataclasses import dataclass
@@ -30,20 +27,20 @@ NOBODY: Final = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """One `[[improvise]]` for one group: names are looked up, and where it holds."""
+    """One `[[improvise]]` table resolved for one group: step indices and the measures it covers."""
 
     section: int
     begin: int
-    """Its first measure within the section, from 0."""
+    """First measure within the section, from 0."""
     end: int | None
-    """The measure after its last; None: it has none."""
+    """Measure after the last; None: no end."""
     asked: ImproviseSection
     steps: tuple[int, ...]
     weights: npt.NDArray[np.float64]
     factors: tuple[npt.NDArray[np.float64], ...]
-    """What each rule multiplies the weights with."""
+    """For each rule, the factors that multiply the weights."""
     caller: int
-    """Group that is answered, NOBODY for none."""
+    """Group to answer in call and response, NOBODY for none."""
     listening: int | None
 
 
@@ -56,9 +53,9 @@ def table_of(
     group: int,
     where: tuple[str | int, ...] = (),
 ) -> Table | None:
-    """One `[[improvise]]` for the group `group`, whose own steps are `own`; None if its place never comes.
+    """Resolve one `[[improvise]]` table for `group`, whose own steps are `own`; None if its place never comes.
 
-    PersonError for names that are not there, or limits that cannot be kept.
+    Raises PersonError for unknown names, or limits that cannot be kept.
     """
     place = score.place_of(section.section, section.measure)
     if place is None:
@@ -91,38 +88,38 @@ def table_of(
 
 Nodes = npt.NDArray[np.int32]
 Kept = tuple[int, int, int]
-"""The step that was drawn last, measures of it that are left, and by whose table."""
+"""Last drawn step, measures left of it, and the index of the table that drew it."""
 Told = tuple[int, tuple[Wanted, ...], int]
 
 STEP_SALT: Final = 0x1A9
-"""Keeps this chance apart from that of a group's own steps."""
+"""Salt that separates these random numbers from those of a group's own steps."""
 
 
 class Improviser:
-    """The choices of one group. To be asked in the order of the measures."""
+    """The step choices of one group. Ask for measures in order."""
 
     def __init__(self, tables: list[Table], usual: Table, score: Score, ledger: Ledger, mood: Mood, *, group: int,
                  seed: int, graph: MotionGraph) -> None:  # fmt: skip
-        """`usual`: what holds if somebody asks for improvisation where the score has none."""
+        """`usual`: the table used when improvisation is requested where the score has none."""
         self._tables, self._usual = tables, usual
         self._score, self._ledger, self._mood, self._group = score, ledger, mood, group
         self._seed, self._graph = seed, graph
         self.kept: Kept = (NOBODY, 0, NOBODY)
-        """What must be known to ask for a measure again."""
+        """State needed to ask for a measure again."""
         self.asked = False
-        """Whether somebody asks for improvisation, whatever the score has."""
+        """Whether improvisation is requested by command, regardless of the score."""
 
     def take_patch(self, fresh: "Improviser") -> None:
-        """Improvise as another patch says."""
+        """Adopt the tables of an edited patch."""
         self._tables, self._usual = fresh._tables, fresh._usual
         self._ledger.kept = max(self._ledger.kept, fresh._ledger.kept)
 
     def take_graph(self, graph: MotionGraph) -> None:
-        """Choose in a graph that has all nodes and steps of the old one."""
+        """Use a graph that contains all nodes and steps of the old one."""
         self._graph = graph
 
     def _table(self, place: Place) -> int | None:
-        """Which table holds there; the last one is the usual."""
+        """Return the index of the table for this place; the last index is the usual one."""
         for index, table in enumerate(self._tables):
             within = place.measure >= table.begin and (table.end is None or place.measure < table.end)
             if within and place.section == table.section:
@@ -136,11 +133,11 @@ class Improviser:
         return self._table(self._score.place(measure)) is not None
 
     def note(self, measure: int, step: int, into: int) -> None:
-        """The group dances this in `measure`, whoever wanted it."""
+        """Record the step that the group dances in `measure`, whatever its origin."""
         self._ledger.note(self._group, measure, step, into)
 
     def told(self, measure: int, nodes: Nodes, *, stands: bool) -> Told | None:
-        """What the group dances in `measure`, see `Part.told`; None if it does not improvise."""
+        """Return what the group dances in `measure`, see `Part.told`; None if it does not improvise."""
         place = self._score.place(measure)
         index = self._table(place)
         if index is None:
@@ -150,7 +147,7 @@ class Improviser:
         return self._drawn(table, index, place, measure, nodes, stands) if told is None else told
 
     def _answer(self, table: Table, measure: int, place: Place) -> Told | None:
-        """In every second phrase what the other group danced in the one before, else what is danced while listening."""
+        """In every second phrase return what the caller danced one phrase earlier, otherwise the listening step."""
         size = table.asked.phrase
         if not self._answers(table, place):
             return None if table.listening is None else self._once(table.listening, measure)
@@ -167,7 +164,7 @@ class Improviser:
         return bool((place.measure - table.begin) // table.asked.phrase % 2)
 
     def _once(self, step: int, measure: int) -> Told:
-        """A step again and again."""
+        """Repeat one step."""
         length = length_of(self._graph, step)
         before = self._ledger.said(self._group, measure - 1)
         into = (before[1] + 1) % length if before is not None and before[0] == step else 0
@@ -176,12 +173,12 @@ class Improviser:
     # -- chance ------------------------------------------------------------------------------------------------
 
     def _drawn(self, table: Table, index: int, place: Place, measure: int, nodes: Nodes, stands: bool) -> Told:
-        """The step that was drawn until its measures are over, then the next."""
+        """Return the drawn step until its measures are over, then draw the next."""
         step, left, whose = self.kept
         last, run = self._run(measure)
         length = 0 if step == NOBODY else length_of(self._graph, step)
         if whose != index or last != step or self._ledger.said(self._group, measure - 1) != (step, length - left - 1):
-            left = 0  # something else came in between
+            left = 0  # another step was danced in between
         if left <= 0:
             if last not in table.steps or run >= table.asked.at_least:
                 last = self._draw(table, place, measure, nodes, stands)
@@ -191,7 +188,7 @@ class Improviser:
         return step, (Wanted(step, length),), length - left
 
     def _run(self, measure: int) -> tuple[int, int]:
-        """The step before `measure`, and how often in a row it has been begun."""
+        """Return the step before `measure`, and how often in a row it has begun."""
         said = self._ledger.said(self._group, measure - 1)
         if said is None:
             return NOBODY, 0
@@ -203,7 +200,7 @@ class Improviser:
         return step, run
 
     def _draw(self, table: Table, place: Place, measure: int, nodes: Nodes, stands: bool) -> int:
-        """By weight among the steps that may come now; one that can be reached at once if there is any."""
+        """Draw by weight among the allowed steps, preferring steps that are reachable at once."""
         weights = self._weights(table, place, measure)
         steps = np.array(table.steps)
         hops = self._graph.hops[steps][:, nodes].max(axis=1, initial=0)
@@ -215,14 +212,14 @@ class Improviser:
                 break
         weights = np.where(possible, weights, 0.0)
         seeds = [self._seed, STEP_SALT, place.section + 1, place.turn, self._group, max(place.measure, 0)]
-        if not self._score.playhead.entered(measure):  # held in one measure: it is not drawn the same again and again
+        if not self._score.playhead.entered(measure):  # a held measure must not repeat the same draw
             seeds.append(measure)
         chance = float(np.random.default_rng(seeds).random())
         row = int(np.searchsorted(np.cumsum(weights), chance * weights.sum(), side="right"))
         return int(steps[min(row, len(steps) - 1)])
 
     def _weights(self, table: Table, place: Place, measure: int) -> npt.NDArray[np.float64]:
-        """What the steps count now: limits first, then what the music favours, as long as something is left."""
+        """Return the current step weights: limits, then the music rules, skipping any that would leave no step."""
         step, run = self._run(measure)
         allowed = table.weights.copy()
         if run >= table.asked.most and step in table.steps:
@@ -247,11 +244,11 @@ class Improviser:
 
 
 MOTION_SALT = 0x307
-"""Keeps this chance apart from that of steps."""
+"""Salt that separates these random numbers from those of steps."""
 
 
 class ImprovisedMotion:
-    """The `[[improvise.motion]]` of a patch; chance comes of (seed, section, turn, table, measure)."""
+    """Drawer for the `[[improvise.motion]]` entries of a patch, seeded by (seed, section, turn, table, measure)."""
 
     def __init__(self, sections: tuple[ImproviseSection, ...], score: Score, seed: int) -> None:
         self._score, self._seed = score, seed
@@ -263,11 +260,11 @@ class ImprovisedMotion:
                 self._tables.append((index, place[0], place[1], end, section))
 
     def take_patch(self, fresh: "ImprovisedMotion") -> None:
-        """Draw from what another patch has."""
+        """Adopt the tables of an edited patch."""
         self._tables = fresh._tables
 
     def calls(self, measure: int, time: float) -> list[ControlEvent]:
-        """What is called at the line of `measure` (from 0), with which a phrase may begin."""
+        """Return the calls drawn at the line of `measure` (from 0), if a phrase begins there."""
         if measure < 0 or not self._score.playhead.entered(measure):
             return []
         place = self._score.place(measure)

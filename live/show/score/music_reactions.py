@@ -1,8 +1,7 @@
-"""Reactions: what the music that is heard changes in a show, as the patch's `[[react]]` tables say.
+"""Reactions to music: `Reactions` (the patch's `[[react]]` tables), `Mood` and `Occasions` (T016).
 
-Mood: what the music has been like over the last beats, for whoever improvises to it.
-
-Occasions: what is heard in the music as signals by name: it becomes louder, a build-up begins, a drop (T016).
+`Mood` smooths music features over the last beats for improvisation. `Occasions` turns music events (louder, build-up,
+drop) into named signals.
 """
 
 import math
@@ -16,23 +15,23 @@ from live.show.patch.section_music import ReactSection
 from live.show.patch.section_score import SignalSection
 
 DENSE: Final = 6.0
-"""Onsets per beat that count as 1."""
+"""Onsets per beat that map to level 1."""
 BEATS: Final = 4.0
-"""Beats over which it is smoothed."""
+"""Time constant of the smoothing [beats]."""
 NAMES: Final = ("loudness", "density", "brightness", "low", "build")
 NOTE_NAMES: Final = ("note_energy", "note_density", "chord", "pitch")
-"""What notes that are played over MIDI are like."""
+"""Features of MIDI notes."""
 FULL: Final = 8.0
-"""Notes that sound together and count as 1."""
+"""Simultaneous notes that map to level 1."""
 
 
 def level_of(event: MusicHeard, name: str) -> float:
-    """What is heard by this name of `NAMES`, 0 to 1."""
+    """Return the music feature `name` of `NAMES`, 0 to 1."""
     return min(event.density / DENSE, 1.0) if name == "density" else float(getattr(event, name))
 
 
 def note_level_of(event: NotesHeard, name: str) -> float:
-    """What is played by this name of `NOTE_NAMES`, 0 to 1."""
+    """Return the note feature `name` of `NOTE_NAMES`, 0 to 1."""
     match name:
         case "note_energy":
             return event.energy
@@ -44,34 +43,37 @@ def note_level_of(event: NotesHeard, name: str) -> float:
 
 
 class Mood:
-    """Takes MusicHeard and NotesHeard in order. Before any music is heard it is in the middle: 0.5, and no build-up;
-    before any note is played, there is none."""
+    """Smoothed features of the music.
+
+    Takes MusicHeard and NotesHeard in order. Before any music, features are 0.5 and build-up is 0; before any note,
+    note features are 0 and pitch is 0.5.
+    """
 
     def __init__(self) -> None:
         self._values = {**dict.fromkeys(NAMES, 0.5), "build": 0.0}
         self._values |= {**dict.fromkeys(NOTE_NAMES, 0.0), "pitch": 0.5}
         self._heard = False
         self.notes: NotesHeard | None = None
-        """What was played last."""
+        """The last NotesHeard event."""
 
     def hear_notes(self, event: NotesHeard) -> None:
-        """What is played now."""
+        """Update the note features."""
         share = 1.0 - math.exp(-event.beats / BEATS) if self.notes is not None else 1.0
         self.notes = event
         for name in NOTE_NAMES:
             self._values[name] += share * (note_level_of(event, name) - self._values[name])
 
     def hear(self, event: MusicHeard) -> None:
-        """One beat of the music."""
+        """Update the music features by one beat."""
         share = 1.0 - math.exp(-1.0 / BEATS) if self._heard else 1.0
         self._heard = True
         for name in NAMES:
             self._values[name] += share * (level_of(event, name) - self._values[name])
 
     def of(self, name: str) -> float:
-        """What is heard by this name, 0 to 1.
+        """Return a feature by name, 0 to 1.
 
-        `energy` is the mean of loudness and density, of the music or of the notes: whichever has more of it.
+        `energy` is the mean of loudness and density, of the music or of the notes, whichever is higher.
         """
         if name != "energy":
             return self._values[name]
@@ -83,18 +85,21 @@ class Mood:
 
 
 BUILDING: Final = 0.5
-"""From here on a build-up counts as begun ..."""
+"""Level at which a build-up begins."""
 
 NOT_BUILDING: Final = 0.2
-"""... until it has come down to this."""
+"""Level at which a build-up ends."""
 
 SMOOTH: Final = 0.25
-"""Light goes to what a beat asks for within so many measures: until the next one."""
+"""Fade time of light that follows the music [measures]: about until the next beat."""
 STRENGTH: Final = "strength"
 
 
 class Reactions:
-    """Takes MusicHeard and NotesHeard in order; the same events give the same changes. Thread: the show's."""
+    """State of the `[[react]]` tables.
+
+    Takes MusicHeard and NotesHeard in order; the same events give the same changes. Thread: the show's.
+    """
 
     def __init__(self, patch: Patch) -> None:
         self._follows = [section for section in patch.react if section.to is not None]
@@ -102,13 +107,13 @@ class Reactions:
         self._values: list[float | None] = [None] * len(self._follows)
         self._waiting: list[ReactSection] = []
         self.soon: list[ReactSection] = []
-        """What is to be called before the next line, for whoever calls it."""
+        """Sections whose calls are due before the next line; the caller empties it."""
         self.calm = False
-        """Whether nothing is called, whatever happens in the music; values go on following it."""
+        """Whether calls are suppressed; values still follow the music."""
         self._building = False
         self._last: MusicHeard | None = None
         self.strength = 1.0
-        """How much stronger elements are that begin now."""
+        """Strength factor for elements that begin now."""
         self.drops = 0
         """Drops heard so far."""
 
@@ -123,7 +128,7 @@ class Reactions:
             self.strength = 1.0
 
     def hear(self, event: MusicHeard) -> list[ControlEvent]:
-        """What one beat of the music changes at once."""
+        """Return the immediate changes caused by one beat of the music."""
         self._last = event
         self.drops += event.drop
         begins = event.build >= BUILDING and not self._building
@@ -132,11 +137,11 @@ class Reactions:
         return self._follow(event.time, {name: level_of(event, name) for name in NAMES}, 1.0)
 
     def hear_notes(self, event: NotesHeard) -> list[ControlEvent]:
-        """What the notes that are played change at once."""
+        """Return the immediate changes caused by the current notes."""
         return self._follow(event.time, {name: note_level_of(event, name) for name in NOTE_NAMES}, event.beats)
 
     def _follow(self, time: float, levels: Mapping[str, float], beats: float) -> list[ControlEvent]:
-        """What follows these levels, `beats` after they were heard last."""
+        """Return the changes that follow these levels, `beats` after the previous levels."""
         changes: list[ControlEvent] = []
         for index, section in enumerate(self._follows):
             heard = levels.get(section.to or "")
@@ -153,11 +158,11 @@ class Reactions:
         return changes
 
     def signal(self, name: str) -> None:
-        """A signal is given."""
+        """Handle a signal."""
         self._happens([name.casefold()])
 
     def unit(self, label: str) -> None:
-        """A unit of an example is danced by who answers a leader: `turn/2` is `unit:turn/2`, and `unit:turn`."""
+        """Handle a unit danced by an answering partner: `turn/2` triggers `unit:turn/2` and `unit:turn`."""
         name = UNIT + label.casefold()
         self._happens([name, name.rpartition("/")[0]])
 
@@ -169,17 +174,17 @@ class Reactions:
                 (self._waiting if section.when == "measure" else self.soon).append(section)
 
     def forget(self) -> None:
-        """What was waiting to be called is not."""
+        """Discard all waiting calls."""
         self._waiting.clear()
         self.soon.clear()
 
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
-        """What was waiting for the measure line."""
+        """Return the calls that waited for the measure line."""
         waiting, self._waiting = self._waiting, []
         return [event for section in waiting if isinstance(event := section.event(time), ControlEvent)]
 
     def facts(self) -> dict[str, Any]:
-        """What the music is like, for the status."""
+        """Return music features for the status."""
         last = self._last
         if last is None:
             return {"drops": self.drops}
@@ -197,7 +202,7 @@ class Reactions:
 MUCH: Final = 0.75
 LITTLE: Final = 0.25
 BACK: Final = 0.1
-"""A level that was passed counts again once it has been left by so much; a build-up by three times as much."""
+"""Hysteresis: a passed level triggers again after it was left by this much (three times as much for a build-up)."""
 _HEARD: Final = {
     "build": ("build", True, BUILDING),
     "loud": ("loudness", True, MUCH),
@@ -210,20 +215,20 @@ _HEARD: Final = {
 
 
 class Occasions:
-    """Takes MusicHeard in order. Thread: the show's."""
+    """Detector for the patch's music signals. Takes MusicHeard in order. Thread: the show's."""
 
     def __init__(self, signals: Iterable[SignalSection]) -> None:
         self._signals = [signal for signal in signals if signal.on is not None]
         self._there = [False] * len(self._signals)
 
     def take_patch(self, fresh: "Occasions") -> None:
-        """Listen for the signals of another patch."""
+        """Adopt the signals of an edited patch."""
         known = dict(zip(self._signals, self._there, strict=True))
         self._signals = fresh._signals
         self._there = [known.get(signal, False) for signal in self._signals]
 
     def hear(self, event: MusicHeard) -> list[str]:
-        """The names of the signals that one beat of the music gives."""
+        """Return the names of the signals that one beat of the music triggers."""
         names = []
         for index, signal in enumerate(self._signals):
             if signal.on == "drop":

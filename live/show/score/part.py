@@ -1,7 +1,4 @@
-"""Part: what the score has for one group in each measure: a sequence, an improvisation, or nothing (then its own).
-
-The parts of the groups in the score of a patch: their sequences and their improvisations.
-"""
+"""Part of one group in the score: for each measure a sequence, an improvisation, or nothing (the group's own steps)."""
 
 from typing import Final, Literal
 
@@ -18,14 +15,14 @@ from live.show.score.sequence_lookup import Sequences
 from live.show.score.step_history import Ledger
 
 ANY_STEP: Final = -1
-"""What is wanted where a sequence says "*"."""
+"""Wanted step where a sequence has "*"."""
 
 Told = tuple[int, tuple[Wanted, ...], int]
-"""The step, what comes from there on, and how many measures of the first of that are over."""
+"""Step, the steps wanted from there on, and measures already danced of the first of them."""
 
 
 class Part:
-    """One group's part in the score. To be asked in the order of the measures, as programmes are."""
+    """Part of one group in the score. Ask for measures in order, as with programs."""
 
     def __init__(self, score: Score, sequences: Sequences, improviser: Improviser) -> None:
         self._score = score
@@ -33,14 +30,14 @@ class Part:
         self._improviser = improviser
 
     def take_patch(self, fresh: "Part") -> None:
-        """Dance what another patch's score has for the group; what was danced and asked for stays."""
+        """Adopt the part from an edited patch; step history and requested improvisation stay."""
         self._sequences = fresh._sequences
         self._improviser.take_patch(fresh._improviser)
 
     def told(self, measure: int, nodes: Nodes, own: tuple[Wanted, ...], *, stands: bool) -> Told | None:
-        """What to dance in `measure` by dancers who were in `nodes` before it; None: the group's own steps.
+        """Return what to dance in `measure` by dancers who were in `nodes` before it; None: the group's own steps.
 
-        `own` is what comes of these after the score's; `stands`: chance draws among steps in place if it can.
+        `own` are the group's own steps after the score's; `stands`: prefer random steps in place.
         """
         if measure < 0:
             return None
@@ -55,21 +52,21 @@ class Part:
         return self._improviser.told(measure, nodes, stands=stands)
 
     def kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
-        """Whose steps the group dances in `measure`."""
+        """Return the origin of the steps that the group dances in `measure`."""
         place = self._score.place(measure)
         if measure >= 0 and not self._improviser.asked and self._sequences.at(place.section, place.measure) is not None:
             return "sequence"
         return "improvised" if measure >= 0 and self._improviser.holds(measure) else "own"
 
     def holds(self, measure: int) -> bool:
-        """Whether the score has something for the group in `measure`."""
+        """Whether the score has an entry for the group in `measure`."""
         if measure < 0:
             return False
         place = self._score.place(measure)
         return self._sequences.at(place.section, place.measure) is not None or self._improviser.holds(measure)
 
     def _coming(self, measure: int, own: tuple[Wanted, ...]) -> tuple[Wanted, ...]:
-        """What the sequences have from `measure` on, as far as they go, and then the group's own steps."""
+        """Return the entries of the sequences from `measure` on, then the group's own steps."""
         found: list[Wanted] = []
         while len(found) <= HORIZON:
             place = self._score.place(measure)
@@ -82,15 +79,15 @@ class Part:
         return (*found, *own)[: HORIZON + 1]
 
     def note(self, measure: int, step: int, into: int) -> None:
-        """The group dances this in `measure`, whoever wanted it."""
+        """Record the step that the group dances in `measure`, whatever its origin."""
         if measure >= 0:
             self._improviser.note(measure, step, into)
 
-    # -- what is kept ------------------------------------------------------------------------------------------
+    # -- state -------------------------------------------------------------------------------------------------
 
     @property
     def kept(self) -> Kept:
-        """What must be known to ask again: see `take_back` of the programmes."""
+        """State needed to ask again: see `take_back` of the programs."""
         return self._improviser.kept
 
     @kept.setter
@@ -98,11 +95,11 @@ class Part:
         self._improviser.kept = kept
 
     def improvise(self, on: bool) -> None:
-        """Let the group improvise, whatever the score has for it; False: as the score says."""
+        """Switch improvisation on regardless of the score; False: follow the score."""
         self._improviser.asked = on
 
     def take_graph(self, graph: MotionGraph) -> None:
-        """Choose in a graph that has all nodes and steps of the old one."""
+        """Use a graph that contains all nodes and steps of the old one."""
         self._improviser.take_graph(graph)
 
 
@@ -112,14 +109,14 @@ EVERYONE: Final = "*"
 def part_of(
     patch: Patch, graph: MotionGraph, score: Score, ledger: Ledger, mood: Mood, steps: list[int], group: int, seed: int
 ) -> Part:
-    """The part in the score of the group `group`, whose own `steps` are these."""
+    """Return the part in the score of group `group`, whose own `steps` are these."""
     names = [section.name for section in patch.group]
     for_it = (EVERYONE, names[group].casefold())
     sequences = [(index, one) for index, one in enumerate(patch.sequence) if one.group.casefold() in for_it]
     asked: list[tuple[tuple[str | int, ...], ImproviseSection]] = [
         (("sequence", index), _as_improvised(section)) for index, section in sequences if section.choose == "random"
     ]
-    # an echo improvises only where it is meant by name: else it goes on echoing
+    # a canon improvises only where a table names its group; otherwise it stays a canon
     means_it = for_it[1:] if patch.group[group].like else for_it
     asked += [
         (("improvise", index), section)
@@ -139,7 +136,7 @@ def part_of(
 
 
 def _as_improvised(section: SequenceSection) -> ImproviseSection:
-    """A sequence in which chance chooses: its steps by how often they are named."""
+    """Return a sequence with `choose = "random"` as an improvise table, steps weighted by their count."""
     weights: dict[str, float] = {}
     for entry in section.steps:
         name, times = parse_entry(entry)

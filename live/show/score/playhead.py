@@ -1,8 +1,6 @@
-"""Playhead: where in its sections the score is, measure after measure, and where it goes when somebody asks (T015).
+"""Playhead: the position in the sections of a score for each measure of the show (T015).
 
-Measures are those of the show, counted from 0 by its measure lines. What is asked for takes effect at a line.
-
-Places: the sections of a score as the playhead knows them, and where in them one measure of the show is (T015).
+Measures of the show count from 0 at its measure lines. Requests such as jumps take effect at a line.
 """
 
 from collections.abc import Sequence
@@ -10,30 +8,30 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 END: Final = -1
-"""Where a score goes that is over, and the section of a `Place` outside of all sections."""
+"""Next section after the last one, and the section of a `Place` outside of all sections."""
 
 When = Literal["measure", "section"]
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A section as the playhead knows it."""
+    """A section as the playhead sees it."""
 
     name: str
     measures: int | None
-    """How long one pass is; None: it has no end."""
+    """Length of one pass; None: no end."""
     repeat: int = 1
-    """How many passes there are before it goes on; 0: until somebody says so."""
+    """Number of passes before the next section; 0: until an operator advances."""
     then: int = END
-    """Index of the section that comes after it, or END."""
+    """Index of the next section, or END."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """One measure of the score."""
+    """Position in the score: one measure of one section."""
 
     section: int
-    """Index of the section; END before the first downbeat and when the score is over."""
+    """Index of the section; END before the first downbeat and after the end of the score."""
     measure: int
     """Measure within the section, from 0."""
     turn: int = 0
@@ -42,62 +40,62 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """Where the score is in one measure of the show, and what must be known to go on."""
+    """Position of the score in one measure of the show, with the state needed to continue."""
 
     place: Place
     passes: int
-    """Passes of this visit to the section, the present one included."""
+    """Passes of this visit to the section, including the present one."""
     begun: tuple[int, ...]
     """How often each section has begun."""
     entered: bool
-    """Whether the score came to this place with this measure: what is held in its measure begins nothing again."""
+    """Whether the score entered this place with this measure; a held measure starts nothing again."""
     jumped: bool = False
-    """Whether it came here because somebody asked."""
+    """Whether a request brought the score here."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What waits for a line."""
+    """Requests that wait for a line."""
 
     section: int | None = None
-    """Where a jump goes ..."""
+    """Target section of a jump."""
     measure: int = 0
     at_section: bool = False
-    """... and whether it waits for the section's end."""
+    """Whether the jump waits for the end of the section."""
     leave: bool = False
-    """Whether the section is left when its pass is over, whatever it repeats."""
+    """Whether to leave the section after this pass, regardless of its repeats."""
 
 
 LATER: Final = 4
-"""Measures that are kept of what is over: somebody may still ask about the last one."""
+"""Past measures that are kept, because callers may still ask about the last one."""
 
 
 class Playhead:
-    """The place of every measure; deterministic: the same calls give the same places. Thread: the show's."""
+    """Position of each measure. Deterministic: the same calls give the same places. Thread: the show's."""
 
     def __init__(self, stretches: Sequence[Stretch]) -> None:
         """At least one stretch; before the first `cross` the score waits for measure 0 of the first."""
         self.stretches = tuple(stretches)
         self.measure = -1
-        """The running measure of the show."""
+        """Current measure of the show."""
         self.held = False
-        """Whether the score stays where it is."""
+        """Whether the score stays in its measure."""
         self.practice: tuple[int, int] | None = None
-        """First and last measure of the written score, from 0, that come again and again; None: no practice."""
+        """First and last measure of the practice loop in the written score, from 0; None: no practice."""
         self._asked = Asked()
         self._stands = {-1: Stand(Place(END, -1), 0, (0,) * len(self.stretches), entered=True)}
         self._firsts: list[int] = []
-        """The first measure of each section, all written one after the other."""
+        """First measure of each section in the written score."""
         first = 0
         for stretch in self.stretches:
             self._firsts.append(first)
             first += stretch.measures or 0
 
     def take_patch(self, fresh: "Playhead") -> None:
-        """Go on in the sections of an edited score: where it is by name, else in the measure that has its number.
+        """Adopt the sections of an edited score. The section is found by name, else by its written measure number.
 
-        A section that is shorter now is in the measure that follows as often as it fits. A jump to a section that is
-        gone, and practice in measures that are, are forgotten.
+        In a section that is shorter now, the measure wraps around. A jump to a removed section and practice in removed
+        measures are cancelled.
         """
         old, names = self.stretches, {stretch.name.casefold(): i for i, stretch in enumerate(fresh.stretches)}
         known = [names.get(stretch.name.casefold()) for stretch in old]
@@ -122,7 +120,7 @@ class Playhead:
         self._ask(asked)
 
     def _found(self, index: int | None, place: Place, written: int) -> Place:
-        """Where `place`, in the section that has the number `index` now, is in the sections as they are."""
+        """Return `place` in the present sections; its section has the number `index` now."""
         if index is not None:
             size = self.stretches[index].measures
             return replace(place, section=index, measure=place.measure if size is None else place.measure % size)
@@ -131,10 +129,10 @@ class Playhead:
         except ValueError:
             return Place(0, 0)
 
-    # -- where it is -------------------------------------------------------------------------------------------
+    # -- position ----------------------------------------------------------------------------------------------
 
     def cross(self, measure: int) -> None:
-        """`measure` (from 0; below 0 before the first downbeat) begins."""
+        """Begin `measure` (from 0; below 0 before the first downbeat)."""
         if measure < 0:
             self._stands = {measure: replace(self._stands[self.measure], place=Place(END, measure))}
         else:
@@ -146,31 +144,31 @@ class Playhead:
         self.measure = measure
 
     def place(self, measure: int) -> Place:
-        """Where the score is in `measure`: the running one, one of the last few, or one to come if nothing more is
-        asked for."""
+        """Return the place of `measure`: the current one, one of the last few, or a future one if no more requests
+        come."""
         return self._stand(measure).place
 
     ahead = place
 
     def section_name(self, place: Place) -> str:
-        """What its section is called; empty outside of all."""
+        """Return the name of the place's section; empty outside of all sections."""
         return "" if place.section == END else self.stretches[place.section].name
 
     def entered(self, measure: int) -> bool:
-        """Whether the score comes to its place with `measure`: not if it is held there, nor outside of all sections."""
+        """Whether the score enters its place with `measure`; False while held and outside of all sections."""
         stand = self._stand(measure)
         return stand.entered and stand.place.section != END
 
     def jumped(self, measure: int) -> bool:
-        """Whether it is where it is in `measure` because somebody asked for it."""
+        """Whether a request brought the score to its place in `measure`."""
         return self._stand(measure).jumped
 
     def written(self, place: Place) -> int:
-        """The measure of `place` in the written score, all sections one after the other once, from 0."""
+        """Return the measure of `place` in the written score (each section once, in order), from 0."""
         return place.measure if place.section == END else self._firsts[place.section] + place.measure
 
     def of_written(self, measure: int) -> Place:
-        """The place of a measure of the written score; ValueError if it has none such."""
+        """Return the place of a measure of the written score; raises ValueError if there is none."""
         for index, (first, stretch) in enumerate(zip(self._firsts, self.stretches, strict=True)):
             if measure >= first and (stretch.measures is None or measure < first + stretch.measures):
                 return Place(index, measure - first)
@@ -184,29 +182,29 @@ class Playhead:
 
     @property
     def passes(self) -> int:
-        """Which pass of its section the running measure belongs to, since the score came there, from 1."""
+        """Number of the current pass through the section, from 1 at each arrival."""
         return self._stand(self.measure).passes
 
     @property
     def waiting(self) -> bool:
-        """Whether the section that runs repeats until somebody says that it goes on."""
+        """Whether the current section repeats until an operator advances."""
         section = self.place(self.measure).section
         return section != END and self.stretches[section].repeat == 0 and not self._asked.leave
 
     @property
     def going(self) -> tuple[int, int, When] | None:
-        """The jump that waits: section, measure, and what for; None if there is none."""
+        """The waiting jump: section, measure and when it happens; None if there is none."""
         asked = self._asked
         if asked.section is None:
             return None
         return asked.section, asked.measure, "section" if asked.at_section else "measure"
 
-    # -- what is asked for -------------------------------------------------------------------------------------
+    # -- requests ----------------------------------------------------------------------------------------------
 
     def jump(self, section: int, measure: int = 0, when: When = "measure") -> None:
-        """Go to `measure` (from 0) of a section at the next line, or when the present pass is over; practice ends.
+        """Go to `measure` (from 0) of a section at the next line or after the present pass; practice ends.
 
-        The last jump counts. ValueError for a place that is not there.
+        The last jump counts. Raises ValueError for a missing place.
         """
         if not 0 <= section < len(self.stretches):
             raise ValueError(f"there is no section {section}")
@@ -217,9 +215,9 @@ class Playhead:
         self._ask(Asked(section, measure, when == "section"))
 
     def advance(self, when: When = "section") -> None:
-        """Leave the section for what follows it: when its pass is over, however often it repeats, or at the next line.
+        """Leave the section for the next one, after the present pass regardless of repeats, or at the next line.
 
-        From the end of the score this begins it again.
+        At the end of the score this starts it again.
         """
         here = self.place(self.measure).section
         if here == END or when == "measure":
@@ -233,13 +231,13 @@ class Playhead:
         self._ask(replace(self._asked, leave=True))
 
     def hold(self, on: bool) -> None:
-        """The score stays in its present measure, or goes on; the dance goes on with what it has."""
+        """Keep the score in its present measure, or resume it; the dancers continue with their current steps."""
         self.held = on
         self._ask(self._asked)
 
     def loop(self, practice: tuple[int, int] | None) -> None:
-        """Practise: from the next line on these measures of the written score (from 0, both included) come again and
-        again, whatever repeats; None: go on from where it is. ValueError for measures that are not there."""
+        """Practice: from the next line on repeat these measures of the written score (from 0, both included); None:
+        resume from the present measure. Raises ValueError for missing measures."""
         if practice is not None:
             first, last = practice
             if first > last:
@@ -248,7 +246,7 @@ class Playhead:
         self.practice = practice
         self._ask(Asked())
 
-    # -- how it goes on ----------------------------------------------------------------------------------------
+    # -- transitions -------------------------------------------------------------------------------------------
 
     def _ask(self, asked: Asked) -> None:
         self._asked = asked
@@ -267,17 +265,17 @@ class Playhead:
         return self._stands[measure]
 
     def _settle(self, stand: Stand) -> None:
-        """What has happened with this measure is not asked for any more."""
+        """Clear the requests that took effect with this measure."""
         if stand.jumped:
             self._asked = Asked()
 
     def _pending(self, number: int) -> Asked:
-        """What is asked for at the line of `number`: it happens once, so only for the first measure that can."""
+        """Return the requests for the line of `number`; each takes effect once, at the first possible measure."""
         happened = any(stand.jumped for k, stand in self._stands.items() if self.measure < k < number)
         return Asked() if happened else self._asked
 
     def _next(self, stand: Stand, number: int) -> Stand:
-        """Where the score is in `number`, the measure after `stand`."""
+        """Return the position in `number`, the measure after `stand`."""
         if number < 0:
             return replace(stand, place=Place(END, number))
         here, asked = stand.place, self._pending(number)
@@ -317,7 +315,7 @@ class Playhead:
         return self._begun(stand, there.section, there.measure, stand.passes + 1)
 
     def _begun(self, stand: Stand, section: int, measure: int, passes: int, *, jumped: bool = False) -> Stand:
-        """The score comes to a section."""
+        """Return the position at the start of a visit or pass of a section."""
         if section == END:
             return Stand(Place(END, 0), 0, stand.begun, entered=False, jumped=jumped)
         turn = stand.begun[section]

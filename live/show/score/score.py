@@ -1,4 +1,4 @@
-"""Score: what the patch puts at measures, handed out when they come (T132)."""
+"""Score entries of a patch, indexed by measure (T132)."""
 
 from collections.abc import Iterable
 from typing import Any, Final
@@ -9,26 +9,26 @@ from live.show.patch.section_score import AtSection, RegroupSection, SegmentSect
 from live.show.score.playhead import END, Place, Playhead, Stretch
 
 WHOLE: Final = ""
-"""The name of the one section of a score without sections."""
+"""Name of the single section of a score without sections."""
 
 
 KINDS: Final = ("element", "segment", "regroup", "at", "signal")
 
 
 class Written:
-    """What is written in a score, which no measure changes: entries by place, and the parts of the groups."""
+    """The written score, which does not change over time: entries by place, and the parts of the groups."""
 
     def __init__(self) -> None:
         self.entries: dict[str, dict[tuple[int, int], list[Any]]] = {}
-        """By kind, section and measure."""
+        """Entries by kind, then by section and measure."""
         self.made: dict[int, Any] = {}
-        """Sequences that are made already, for groups that have the same."""
+        """Sequences already built, shared by groups that have the same."""
         self.parts: list[Any] = []
-        """What the parts of the groups have: see `live.show.score.part`."""
+        """Data of the groups' parts: see `live.show.score.part`."""
 
 
 def stretches_of(patch: Patch) -> tuple[Stretch, ...]:
-    """The sections of a patch for its playhead; one, of `loop_measures`, if it has none."""
+    """Return the sections of a patch for its playhead; one of `loop_measures` if it has none."""
     if not patch.section:
         return (Stretch(WHOLE, patch.loop_measures, 1, 0),)
     names = [section.name.casefold() for section in patch.section]
@@ -46,10 +46,10 @@ def stretches_of(patch: Patch) -> tuple[Stretch, ...]:
 
 
 class Score:
-    """The entries of a patch by their places: found without looking through the others."""
+    """Entries of a patch, looked up by place."""
 
     def __init__(self, patch: Patch, playhead: Playhead | None = None) -> None:
-        """`playhead` says where the score is; left out: one of its own that nobody leads elsewhere."""
+        """`playhead` gives the position in the score; None: a new one."""
         self.playhead = Playhead(stretches_of(patch)) if playhead is None else playhead
         self._sections = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
         self.written = Written()
@@ -57,11 +57,11 @@ class Score:
             self.written.entries[kind] = self._by_place(getattr(patch, kind))
 
     def take_patch(self, fresh: "Score") -> None:
-        """Take over the entries of another score; where it is, the playhead knows."""
+        """Adopt the entries of another score; the playhead keeps the position."""
         self._sections, self.written = fresh._sections, fresh.written
 
     def place_of(self, section: str | None, measure: float) -> tuple[int, int] | None:
-        """Section and measure (from 0) of an entry of the patch; None for one that never comes."""
+        """Return section and measure (from 0) of a patch entry; None if it never comes."""
         if section is not None:
             index = self._sections.get(section.casefold())
             return None if index is None else (index, int(measure) - 1)
@@ -80,32 +80,33 @@ class Score:
         return found
 
     def _of(self, kind: str, measure: int) -> list[Any]:
-        """What begins with `measure` (from 0): nothing before the first, after the end, or while the score is held."""
+        """Return the entries that begin with `measure` (from 0); empty before the first, after the end, or while
+        held."""
         if measure < 0 or not self.playhead.entered(measure):
             return []
         place = self.playhead.place(measure)
         return self.written.entries[kind].get((place.section, place.measure), [])
 
     def place(self, measure: int) -> Place:
-        """Where the score is in `measure` (from 0)."""
+        """Return the place of `measure` (from 0)."""
         return self.playhead.place(measure)
 
     def elements(self, measure: int) -> list[ElementSection]:
-        """Elements whose first measure is `measure` (from 0); a start within it is theirs. Below 0 there are none."""
+        """Return elements whose first measure is `measure` (from 0); each may start within it. Empty below 0."""
         return self._of("element", measure)
 
     def regroups(self, measure: int) -> list[RegroupSection]:
-        """Who changes the group with `measure` (from 0)."""
+        """Return the group changes at `measure` (from 0)."""
         return self._of("regroup", measure)
 
     def segments(self, measure: int) -> list[SegmentSection]:
-        """Segments whose first measure is `measure` (from 0)."""
+        """Return segments whose first measure is `measure` (from 0)."""
         return self._of("segment", measure)
 
     def calls(self, measure: int) -> list[AtSection]:
-        """What is called within `measure` (from 0)."""
+        """Return the calls within `measure` (from 0)."""
         return self._of("at", measure)
 
     def signals(self, measure: int) -> list[SignalSection]:
-        """Signals that the score gives within `measure` (from 0)."""
+        """Return the signals that the score gives within `measure` (from 0)."""
         return self._of("signal", measure)

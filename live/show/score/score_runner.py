@@ -1,4 +1,5 @@
-"""Prompter: follows the score with playhead and agenda, and prompts what it says at its beats (T015, T016)."""
+"""Score interpreter: follows the score with playhead and scheduler, and emits its events at their beats (T015,
+T016)."""
 
 import math
 from collections import Counter
@@ -17,30 +18,30 @@ from live.show.score.playhead import END, Playhead, When
 from live.show.score.score import Score, stretches_of
 
 AHEAD: Final = (events.CallStep, events.SetSequence, events.Improvise)
-"""Calls that must be known before their measure begins: those at its line are given ahead of it."""
+"""Calls that must be known before their measure begins: those at its line are sent ahead of it."""
 AHEAD_BEATS: Final = 2.0
-"""So many beats, a little before the planning of the measure begins."""
+"""Lead time of these calls [beats]: a little before the measure is planned."""
 GIVEN_AHEAD: Final = "score ahead"
-"""Their source."""
+"""Source of these calls."""
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
-"""The events that `act` takes."""
+"""Events that `act` handles."""
 
 
 class Prompter:
-    """Where the score of a show is, and what it has at its beats. Thread: the show's."""
+    """Position in the score of a show, and the events at its beats. Thread: the show's."""
 
     def __init__(self, patch: Patch, reactions: Reactions, *, seed: int) -> None:
-        """`reactions` are told the signals that are given."""
+        """`reactions` receive the signals."""
         self.playhead = Playhead(stretches_of(patch))
         self.score = Score(patch, self.playhead)
         self.agenda = Agenda()
-        """What waits for its danced beat, from the score or from others."""
+        """Events that wait for their danced beat, from the score or other sources."""
         self.mood = Mood()
-        """What the music is like, for whoever improvises to it."""
+        """Music features for improvisation."""
         self.signals: Counter[str] = Counter()
-        """How often each signal was given, by its name."""
+        """Count of each signal, by name."""
         self.last_signal = ""
-        self._given: list[AtSection] = []  # calls of the coming measure that are given ahead of it
+        self._given: list[AtSection] = []  # calls of the next measure that were sent ahead of it
         self._reactions = reactions
         self._occasions = Occasions(patch.signal)
         self._motion = ImprovisedMotion(patch.improvise, self.score, seed)
@@ -48,20 +49,20 @@ class Prompter:
         self._known |= {one.signal.casefold() for one in patch.at if one.signal is not None}
         self._known |= {one.on.casefold() for one in patch.react if one.on is not None}
         self.late_jumps = 0
-        """Jumps that were asked for when the steps of their first measure were decided already."""
+        """Jumps requested after the steps of their first measure were already chosen."""
         self.said = ""
-        """What there was to say of the last jump of which not all came in time; it stays until another is said ..."""
+        """Message about the last jump that came too late; kept until the next one."""
         self.said_measure = 0
-        """... with the measure of the show, from 1, in which it was said."""
+        """Measure of the show, from 1, of that message."""
         self._beats = patch.clock.beats_per_measure
         self._names = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
 
     def take_patch(self, fresh: "Prompter") -> None:
-        """Know sections and signals of an edited score; what waits for its beat already still comes."""
+        """Adopt the sections and signals of an edited score; waiting events still fire."""
         self._names, self._known = fresh._names, fresh._known
 
     def begin_measure(self, measure: int, time: float) -> None:
-        """`measure` (from 0) begins at `time` [s]: what the score has at its beats waits for them."""
+        """Begin `measure` (from 0) at `time` [s]: schedule the score's events for their beats."""
         self.playhead.cross(measure)
         line = measure * self._beats
         given, self._given = self._given, []
@@ -76,7 +77,7 @@ class Prompter:
             self.agenda.put(line + signal.beat - 1.0, events.Signal(time=time, source="score", name=signal.name))
 
     def _look_ahead(self, measure: int, time: float) -> None:
-        """Steps that the score calls at the line of `measure`, which is to come, are called before it is planned."""
+        """Schedule the step calls at the line of the next `measure` before that measure is planned."""
         for call in self.score.calls(measure):
             event = call.event(time)
             if call.beat == 1.0 and isinstance(event, AHEAD):
@@ -84,7 +85,8 @@ class Prompter:
                 self.agenda.put(measure * self._beats - AHEAD_BEATS, replace(event, source=GIVEN_AHEAD))
 
     def act(self, event: ControlEvent) -> bool:
-        """Let an event of `SCORE_EVENTS` act; whether the coming measure is another one now. PersonError: no place."""
+        """Handle an event of `SCORE_EVENTS`; return whether the next measure changed. Raises PersonError for a
+        missing place."""
         coming = self.playhead.measure + 1
         before = self.playhead.place(coming), self.playhead.entered(coming)
         try:
@@ -111,17 +113,17 @@ class Prompter:
         return moved
 
     def hear(self, event: events.MusicHeard) -> list[events.Signal]:
-        """One beat of the music: the signals that it gives."""
+        """Update the mood by one beat of the music, and return the signals it triggers."""
         self.mood.hear(event)
         names = self._occasions.hear(event)
         return [events.Signal(time=event.time, source="music", name=name) for name in names]
 
     def hear_notes(self, event: events.NotesHeard) -> None:
-        """What is played over MIDI."""
+        """Update the mood by notes played over MIDI."""
         self.mood.hear_notes(event)
 
     def _signal(self, event: events.Signal) -> None:
-        """Whatever reacts to it is told. PersonError for one that nobody has named."""
+        """Pass a signal to the reactions. Raises PersonError for an unknown name."""
         name = event.name.casefold().strip()
         if name not in self._known:
             raise PersonError(f"no signal is called {event.name!r}", f"there are: {', '.join(sorted(self._known))}")
@@ -130,7 +132,7 @@ class Prompter:
         self._reactions.signal(name)
 
     def take_reactions(self, danced: float, time: float) -> None:
-        """What reacts before the next line waits for its beat, or comes as soon as it can; it is `danced` now."""
+        """Schedule the calls due before the next line, at once or at their beat; the danced beat is `danced`."""
         for section in self._reactions.soon:
             event = section.event(time)
             if isinstance(event, ControlEvent):
@@ -138,20 +140,20 @@ class Prompter:
         self._reactions.soon.clear()
 
     def calm(self, on: bool) -> None:
-        """Nothing is prompted any more that waits for its beat, and nothing that happens calls anything; or it does."""
+        """Suppress waiting events and calls from reactions, or allow them again."""
         self._reactions.calm = on
         if on:
             self.agenda.clear()
             self._reactions.forget()
 
     def came_late(self) -> None:
-        """The coming measure is another one, but its steps are decided already: it is danced with those."""
+        """Record a jump that changed the next measure after its steps were chosen; those steps are danced."""
         self.late_jumps += 1
         self.said = "steps of the first measure were decided already: they are those of before"
         self.said_measure = self.playhead.measure + 1
 
     def section(self, name: str) -> int:
-        """Index of a section; PersonError if there is none of that name."""
+        """Return the index of a section; raises PersonError for an unknown name."""
         index = self._names.get(name.casefold().strip())
         if index is None:
             known = ", ".join(stretch.name for stretch in self.playhead.stretches if stretch.name)
@@ -161,7 +163,7 @@ class Prompter:
         return index
 
     def words(self) -> tuple[str, ...]:
-        """Where the score is, for the overlay: a line, or none where a score has one section and nothing is asked."""
+        """Return the overlay's line on the score; none for a single section without requests."""
         playhead = self.playhead
         place = playhead.place(playhead.measure)
         if place.section == END:
@@ -172,7 +174,7 @@ class Prompter:
             "waits for GO" if playhead.waiting else "",
             "practice" if playhead.practice is not None else "",
             "" if playhead.going is None or playhead.going[0] == END else "goes to " + self._going(playhead.going),
-            self.said if playhead.measure <= self.said_measure else "",  # while it is news: that measure and the next
+            self.said if playhead.measure <= self.said_measure else "",  # shown for that measure and the next
         ]
         told = [word for word in asked if word]
         if not stretch.name and not told:
@@ -188,7 +190,7 @@ class Prompter:
         return name + (f" {measure + 1}" if measure else "") + (" at the section's end" if when == "section" else "")
 
     def facts(self) -> dict[str, Any]:
-        """Where the score is, for the status; measures and turns count from 1."""
+        """Return the position in the score for the status; measures and turns count from 1."""
         playhead = self.playhead
         place = playhead.place(playhead.measure)
         over = place.section == END

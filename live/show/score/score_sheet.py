@@ -1,4 +1,4 @@
-"""The discretised timeline of a patch: boxes over measures for sections, signals, steps, motion and calls (T015)."""
+"""Score sheet of a patch: boxes over measures for sections, signals, steps, motion and calls (T015)."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,16 +12,16 @@ from live.show.score.playhead import END
 from live.show.show import Show
 
 USUAL: Final = 16
-"""Measures that are drawn of a score which has nothing at any measure."""
+"""Measures drawn of a score without entries."""
 MOST: Final = 20_000
-"""Measures that are drawn at most."""
+"""Maximum number of measures drawn."""
 Kind = Literal["section", "signal", "sequence", "improvised", "own", "segment", "element", "regroup", "call"]
 NOBODY: Final = np.zeros(0, np.int32)
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """Something over some measures of the written score."""
+    """A labelled span of measures in the written score."""
 
     first: int
     """From 0."""
@@ -37,19 +37,19 @@ class Track:
     name: str
     boxes: tuple[Box, ...]
     group: int = -1
-    """The group whose row it is; -1 for none."""
+    """Group of the row; -1 for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """A whole score as it is written, every section once."""
+    """A whole written score, each section once."""
 
     title: str
     measures: int
     tracks: tuple[Track, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """For programs; measures count from 1."""
+        """Return plain values for programs; measures count from 1."""
         return {
             "title": self.title,
             "measures": self.measures,
@@ -67,7 +67,7 @@ class Sheet:
 
 
 def sheet_of(show: Show) -> Sheet:
-    """The score of a fresh show; the show is used up. What chance chooses is as it would be if all is reachable."""
+    """Return the score of a fresh show, which is used up. Random choices are shown as if all steps were reachable."""
     length = min(_length(show), MOST)
     show.playhead.loop((0, length - 1))
     steps, others = _steps(show, length)
@@ -83,7 +83,7 @@ def sheet_of(show: Show) -> Sheet:
 
 
 def _length(show: Show) -> int:
-    """Measures of the written score; where it has no end, until the last entry is over."""
+    """Return the measures of the written score; if it has no end, up to the end of the last entry."""
     length = written_length(show.patch)
     if length is not None:
         return length
@@ -102,7 +102,7 @@ def _sections(show: Show, length: int) -> tuple[Box, ...]:
     boxes, first = [], 0
     for section in show.patch.section:
         again = f"x{section.repeat}" if section.repeat > 1 else ""
-        if section.wait or not section.repeat:  # GO leads out of it only if the cue that stands by leads elsewhere
+        if section.wait or not section.repeat:  # GO leaves it only if the standby cue jumps elsewhere
             again = "until advance"
         after = f"then {section.then}" if section.then is not None else ""
         words = ", ".join(word for word in (section.name, again, after) if word)
@@ -112,7 +112,7 @@ def _sections(show: Show, length: int) -> tuple[Box, ...]:
 
 
 def _steps(show: Show, length: int) -> tuple[list[list[Box]], dict[str, list[Box]]]:
-    """What each group dances, and what else there is, measure after measure."""
+    """Return the steps of each group and all other boxes, measure by measure."""
     steps: list[list[Box]] = [[] for _ in show.patch.group]
     others: dict[str, list[Box]] = {"signals": [], "motion": [], "calls": []}
     for measure in range(length):

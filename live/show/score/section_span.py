@@ -1,4 +1,4 @@
-"""Stays: in which section an entry of the score is, and from where to where, whichever way its measures are counted."""
+"""Span of a score entry: its section and measures, whether counted in the section or in the whole score."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from live.show.patch.section_score import ScoreSection
 
 
 class Sectioned(Protocol):
-    """What is looked at of a patch."""
+    """The fields of a patch that are used here."""
 
     @property
     def loop_measures(self) -> int | None: ...
@@ -19,22 +19,22 @@ class Sectioned(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Stay:
-    """Where an entry is."""
+    """Span of an entry within its section."""
 
     section: int
-    """Index of its section; -1 in a score without sections."""
+    """Index of the section; -1 in a score without sections."""
     begin: int
-    """Its first measure there, from 0."""
+    """First measure within the section, from 0."""
     end: float
-    """The measure after its last, at the latest that after the section's; inf if it has none."""
+    """Measure after the last, at most the section's end; inf if there is none."""
     size: int | None
     """Measures of the section; None if it has no end."""
     first: int
-    """The section's first measure in the written score, from 0."""
+    """First measure of the section in the written score, from 0."""
 
 
 def stay_of(patch: Sectioned, section: str | None, measure: float, measures: float | None) -> Stay:
-    """Where an entry is that begins in `measure` (from 1) of `section`, or of the written score if that is None."""
+    """Return the span of an entry that begins in `measure` (from 1) of `section`, or of the written score if None."""
     if not patch.section:
         return _stay(-1, int(measure) - 1, measures, patch.loop_measures, 0)
     first = 0

@@ -1,4 +1,4 @@
-"""Sequences: which step the score has for a group in which measure of a section, found at once (T009)."""
+"""Sequences of the score, indexed by section and measure of a group (T009)."""
 
 from bisect import bisect_right
 from dataclasses import dataclass
@@ -18,25 +18,25 @@ class Sequence:
     """One sequence of the score for one group."""
 
     begin: int
-    """Its first measure within its section, from 0."""
+    """First measure within its section, from 0."""
     end: int
-    """The measure after its last."""
+    """Measure after the last."""
     entries: tuple[Wanted, ...]
-    """Its steps in order, danced once."""
+    """Steps of one pass, in order."""
     ends: tuple[int, ...]
-    """Measures danced when each of them is over."""
+    """Cumulative measures at the end of each step."""
     index: int
-    """Which `[[sequence]]` of the patch it is, from 0."""
+    """Index of the `[[sequence]]` in the patch, from 0."""
 
     def at(self, measure: int) -> tuple[int, int]:
-        """Which entry `measure` of the section belongs to, and how many measures of that are over."""
+        """Return the entry index for `measure` of the section, and the measures of that entry already over."""
         into = (measure - self.begin) % self.ends[-1]
         index = bisect_right(self.ends, into)
         return index, into - (self.ends[index - 1] if index else 0)
 
 
 class Sequences:
-    """The sequences in order of one group: `choose = "random"` is improvised instead."""
+    """Sequences of one group with `choose = "sequence"`; those with `choose = "random"` are improvised."""
 
     def __init__(
         self,
@@ -45,9 +45,12 @@ class Sequences:
         graph: MotionGraph,
         made: dict[int, tuple[int, Sequence]] | None = None,
     ) -> None:
-        """`sections` with their places in the patch; `made`: what another group's have made of them already, by
-        these places, with their sections. PersonError for a step that is not there or does not end with its
-        sequence, and for sequences that overlap or go on after their section."""
+        """`sections` with their patch indices; `made`: sequences already built for other groups, by these indices, with
+        their sections.
+
+        Raises PersonError for an unknown step, a step that does not end with its sequence, and for sequences that
+        overlap or exceed their section.
+        """
         self._of: dict[int, list[Sequence]] = {}
         known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
         made = {} if made is None else made
@@ -67,7 +70,9 @@ class Sequences:
                 sequence = _sequence(known[section.steps], section, place[1], graph, index)
                 size = score.playhead.stretches[place[0]].measures
                 if size is not None and sequence.end > size:
-                    before = section.measure - 1 - place[1]  # of its section, where it counts those of the whole score
+                    before = (
+                        section.measure - 1 - place[1]
+                    )  # offset of the section if the entry counts measures of the whole score
                     its = f"its section {'ends with' if before else 'has'} {before + size}"
                     raise PersonError(
                         f"it goes on to measure {before + sequence.end}, and {its}", f"measures = {size - place[1]}"
@@ -83,7 +88,7 @@ class Sequences:
         return bool(self._of)
 
     def at(self, section: int, measure: int) -> Sequence | None:
-        """The sequence that has `measure` (from 0) of a section, None if there is none."""
+        """Return the sequence at `measure` (from 0) of a section, None if there is none."""
         sequences = self._of.get(section)
         if sequences is None:
             return None
@@ -92,7 +97,7 @@ class Sequences:
 
 
 def where_of(section: str | None, measure: float, what: str) -> str:
-    """Where an entry of the score stands, in words."""
+    """Return the position of a score entry in words, for messages."""
     return f"{what} in measure {measure:g}" + ("" if section is None else f" of section {section!r}")
 
 
@@ -115,13 +120,13 @@ def _sequence(
 
 
 def _refuse_overlaps(sequences: list[Sequence], written: dict[int, SequenceSection]) -> None:
-    """PersonError if two of one group's, in order of their measures, are danced at once."""
+    """Raise PersonError if two sequences of a group overlap; they are sorted by begin."""
     for before, after in pairwise(sequences):
         if after.begin < before.end:
             entry, other = written[after.index], written[before.index]
             where = "" if entry.section == other.section else f" ({where_of(other.section, other.measure, 'it is')})"
             of = "" if entry.section is None else f" of section {entry.section!r}"
-            last = before.end - after.begin + entry.measure - 1  # as the measures of this one are counted
+            last = before.end - after.begin + entry.measure - 1  # counted as the entry counts its measures
             raise PersonError(
                 f"sequence {after.index + 1} begins in measure {entry.measure}{of}, and sequence {before.index + 1}"
                 f"{where} of the same group lasts until the end of measure {last}",

@@ -1,4 +1,4 @@
-"""Steps by name for programmes: what is not there, or connects to nothing, is told with what there is."""
+"""Step lookup by name, with error messages that list the known steps."""
 
 import difflib
 from collections.abc import Iterable
@@ -11,18 +11,18 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_spec import Wanted
 
 IN_PLACE: Final = 0.15
-"""A measure that goes no farther than this [m] is danced in place."""
+"""A measure that travels less than this [m] counts as in place."""
 
 
 class UnknownStep(ValueError):
-    """A step name that the library does not have; the message lists what there is."""
+    """A step name that the library does not have; the message lists the known steps."""
 
     place: tuple[str | int, ...] = ()
-    """The key of the patch that names it."""
+    """Patch key that contains the name."""
 
 
 def find_step(graph: MotionGraph, name: str) -> int:
-    """Index of a step that can be danced; UnknownStep with the known names otherwise."""
+    """Return the index of a danceable step; otherwise raise UnknownStep with the known names."""
     library = graph.library
     index = library.step_index(name)
     if index is None:
@@ -37,13 +37,13 @@ def find_step(graph: MotionGraph, name: str) -> int:
 
 
 def length_of(graph: MotionGraph, step: int) -> int:
-    """Measures of a step; the longest of its variations."""
+    """Return the measures of a step: the longest of its variations."""
     library = graph.library
     return int(library.node_measures[library.node_step == step].max())
 
 
 def refuse_alone(graph: MotionGraph, entries: Iterable[Wanted]) -> None:
-    """PersonError for a step among `entries` that connects to no other."""
+    """Raise PersonError for a step among `entries` that connects to no other."""
     for step in {entry.step for entry in entries if entry.step is not None}:
         if not len(graph.entries(step)):
             raise PersonError(
@@ -53,6 +53,6 @@ def refuse_alone(graph: MotionGraph, entries: Iterable[Wanted]) -> None:
 
 
 def in_place(graph: MotionGraph, step: int) -> bool:
-    """Whether some measure of the step goes nowhere: whoever stands does not drift away and come back."""
+    """Whether a variation of the step has a measure in place, so that a standing group does not drift away."""
     library = graph.library
     return bool(np.hypot(*library.node_travel[(library.node_step == step) & graph.alive].T).min() < IN_PLACE)

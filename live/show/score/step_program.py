@@ -1,4 +1,4 @@
-"""Programme: which step each group should dance in which measure: by sequence, by seeded chance, or as called."""
+"""Step program of a group: the wanted step for each measure, from a sequence, seeded chance, or calls."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -17,12 +17,12 @@ from live.show.score.step_names import UnknownStep, find_step, in_place, length_
 Nodes = npt.NDArray[np.int32]
 
 HOLD_MEASURES = 2
-"""Measures for which a step drawn by chance is danced at least."""
+"""Minimum measures of a step drawn by chance."""
 
 
 @dataclass(slots=True)
 class _Call:
-    """A step called from outside, and how many measures of it are still to come."""
+    """A called step, and its remaining measures."""
 
     step: int
     left: int
@@ -31,29 +31,29 @@ class _Call:
 
 @dataclass(slots=True)
 class _Place:
-    """Where a group is in what it dances."""
+    """Position of a group in its program."""
 
     drawn: int
-    """The step that was drawn last."""
+    """The last drawn step."""
     drawn_left: int = 0
-    """Measures of it that are still to come."""
+    """Its remaining measures."""
     slot: int = 0
     into: int = 0
-    """The entry of the sequence, and how many of its measures are over."""
+    """Entry of the sequence, and its measures already over."""
     call: _Call | None = None
 
     def copy(self) -> "_Place":
-        """One that changes by itself."""
+        """Return an independent copy."""
         return replace(self, call=None if self.call is None else replace(self.call))
 
     def begin_anew(self) -> None:
-        """Back to the first entry."""
+        """Return to the first entry."""
         self.slot, self.into, self.drawn_left = 0, 0, 0
 
 
 @dataclass(frozen=True, slots=True)
 class _Before:
-    """What was so before a measure was asked for."""
+    """State before the last request, for `take_back`."""
 
     asked: tuple[int, int] | None
     place: _Place
@@ -61,14 +61,14 @@ class _Before:
 
 
 class GroupProgramme:
-    """The wishes of one group, measure after measure. Seeded: the same seed and calls give the same dance.
+    """Wanted steps of one group, measure by measure. Seeded: the same seed and calls give the same dance.
 
-    A called step interrupts the sequence, which then goes on where it was; a step of several measures that was cut
-    short is begun anew.
+    A called step interrupts the sequence, which then resumes. A step of several measures that was cut short starts
+    again.
     """
 
     def __init__(self, graph: MotionGraph, group: GroupSection, *, seed: int, index: int) -> None:
-        """Raises UnknownStep if the group names a step that is not there."""
+        """Raises UnknownStep if the group names an unknown step."""
         self._graph = graph
         self._seed = (seed, index)
         self._random = group.choose == "random"
@@ -76,10 +76,10 @@ class GroupProgramme:
         key = "steps"
         try:
             self.steps = [find_step(graph, name) for name, _ in entries]
-            """The steps it names."""
+            """Steps named by the group."""
             key = "travel_step"
             self.travel_step = None if group.travel_step is None else find_step(graph, group.travel_step)
-            """The step for ways too far for the step in turn, or None."""
+            """Step for distances too long for the current step, or None."""
         except UnknownStep as error:
             unknown = UnknownStep(f"group {group.name!r}: {error}")
             unknown.place = ("group", index, key)
@@ -94,16 +94,16 @@ class GroupProgramme:
         self._place = _Place(self.steps[0])
         self._before: _Before | None = None
         self.coming: tuple[Wanted, ...] = ()
-        """What is to be danced from the measure on that was last asked for, at least as far as a search looks."""
+        """Steps wanted from the last requested measure on, at least as far as the search horizon."""
         self.into = 0
-        """How many measures of the first of them are over by then."""
+        """Measures of the first of these already over at that measure."""
         self.part: Part | None = None
-        """What the score has for the group; None: nothing."""
+        """The group's part in the score; None: none."""
         self.stands = False
-        """Whether the group stands: then chance draws among the steps that can be danced in place."""
+        """Whether the group stands; chance then prefers steps in place."""
 
     def take_patch(self, fresh: "GroupProgramme") -> None:
-        """Dance what another programme of this group says; a sequence that was the same so far goes on."""
+        """Adopt another program of this group; a sequence that is unchanged up to here continues."""
         if (fresh._own, fresh._random, fresh.steps) != (self._own, self._random, self.steps):
             drawn = self._random or fresh._random
             for place in () if self._live else self._places:
@@ -116,12 +116,13 @@ class GroupProgramme:
             self.part.take_patch(fresh.part)
 
     def call(self, step: int, *, measures: float) -> None:
-        """Dance `step` from the next measure on that is not chosen yet, for a number of measures (rounded up)."""
+        """Dance `step` from the next unchosen measure on, for a number of measures (rounded up)."""
         for place in self._places:
             place.call = _Call(step, max(1, int(np.ceil(measures))))
 
     def take_graph(self, graph: MotionGraph) -> None:
-        """Choose in a graph that has all nodes and steps of the old one; who drew from all steps draws the new, too."""
+        """Use a graph that contains all nodes and steps of the old one; a group that drew from all steps also draws
+        new ones."""
         old, self._graph = self._graph, graph
         if self.part is not None:
             self.part.take_graph(graph)
@@ -131,18 +132,18 @@ class GroupProgramme:
             self.steps += [step for step in new if len(graph.entries(step))]
 
     def dance(self, wanted: list[Wanted]) -> None:
-        """Dance these in order, again and again, from the next measure on that is not chosen yet."""
+        """Repeat these steps in order from the next unchosen measure on."""
         self._live = list(wanted)
         for place in self._places:
             place.call, place.slot, place.into = None, 0, 0
 
     @property
     def live(self) -> tuple[Wanted, ...]:
-        """The sequence that was set live; empty: none."""
+        """The sequence set live; empty: none."""
         return tuple(self._live)
 
     def release(self) -> None:
-        """Forget a called step and a sequence set live: the patch's own begins anew."""
+        """Clear a called step and a sequence set live; the patch's own steps start again."""
         for place in self._places:
             place.call = None
         self.improvise(False)
@@ -152,16 +153,16 @@ class GroupProgramme:
                 place.begin_anew()
 
     def improvise(self, on: bool) -> None:
-        """Choose its steps itself from the next measure on that is not chosen yet, or dance what the score has."""
+        """Improvise from the next unchosen measure on, or follow the score."""
         if self.part is not None:
             self.part.improvise(on)
 
     def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
-        """Whose steps the group dances in `measure`: the score's, those it chooses itself, or its own."""
+        """Return the origin of the steps in `measure`: sequence, improvised, or the group's own."""
         return "own" if self.part is None else self.part.kind(measure)
 
     def take_back(self, measure: int) -> None:
-        """What was said of `measure`, which has not begun, shall not have been: it will be asked for again."""
+        """Undo the answer for `measure`, which has not begun; it will be requested again."""
         if self._asked is not None and self._asked[0] == measure and self._before is not None:
             before, self._before = self._before, None
             self._asked, self._place = before.asked, before.place
@@ -170,8 +171,10 @@ class GroupProgramme:
 
     @property
     def _places(self) -> list[_Place]:
-        """Where the group is, and where it will be again if the last measure is taken back: what somebody asks for
-        meanwhile concerns both, for that is not taken back, and another sequence has other entries."""
+        """The present position, and the one restored by `take_back`.
+
+        Commands in between apply to both, because `take_back` does not undo commands.
+        """
         return [self._place] if self._before is None else [self._place, self._before.place]
 
     @property
@@ -180,14 +183,14 @@ class GroupProgramme:
 
     @property
     def _draws(self) -> bool:
-        """Whether chance chooses: not while a sequence was set live."""
+        """Whether steps are drawn by chance; not while a sequence is set live."""
         return self._random and not self._live
 
     def wanted(self, measure: int, nodes: Nodes) -> int:
-        """The step to dance in `measure`, ANY_STEP if any will do.
+        """Return the step to dance in `measure`, ANY_STEP if any will do.
 
-        To be asked in the order of the measures, for dancers who were in `nodes` before it. Asked again for the same
-        measure it gives the same answer. Before the first downbeat (measures below 0) it is the first step.
+        Ask for measures in order, with the `nodes` of the dancers before it. Repeated requests for one measure give the
+        same answer. Before the first downbeat (measures below 0) it is the first step.
         """
         if self._asked is not None and self._asked[0] == measure:
             return self._asked[1]
@@ -204,7 +207,7 @@ class GroupProgramme:
 
     def _next(self, measure: int, nodes: Nodes) -> int:
         library = self._graph.library
-        # whoever is within a step of several measures finishes it: a call waits until somebody is free to follow it
+        # a dancer within a step of several measures finishes it: a call waits until one dancer is free to follow it
         within = library.node_measure[nodes] < library.node_measures[nodes] - 1
         if self._place.call is not None and not (len(nodes) and within.all()):
             step = self._place.call.step
@@ -230,7 +233,7 @@ class GroupProgramme:
         return self._draw_next(measure, nodes) if self._draws else self._sequence_next()
 
     def _sequence_next(self) -> int:
-        """The slot's step, and one measure further."""
+        """Return the slot's step and advance by one measure."""
         entry = self._slots[self._place.slot]
         self.into, self.coming = self._place.into, self._slots_from(self._place.slot)
         self._place.into += 1
@@ -239,7 +242,7 @@ class GroupProgramme:
         return _step_of(entry)
 
     def _draw_next(self, measure: int, nodes: Nodes) -> int:
-        """The drawn step until its measures are over, then another."""
+        """Return the drawn step until its measures are over, then draw another."""
         if self._place.drawn_left <= 0:
             self._place.drawn = self._draw(measure, nodes)
             length = self._length(self._place.drawn)
@@ -251,7 +254,7 @@ class GroupProgramme:
         return self._place.drawn
 
     def _slots_from(self, slot: int) -> tuple[Wanted, ...]:
-        """The next steps of the sequence, one for each measure of the horizon at least; none where chance draws."""
+        """Return the next steps of the sequence, at least one per measure of the horizon; none if drawn by chance."""
         if self._draws:
             return ()
         slots = self._slots
@@ -261,7 +264,7 @@ class GroupProgramme:
         return length_of(self._graph, step)
 
     def _draw(self, measure: int, nodes: Nodes) -> int:
-        """Draw among the group's steps, evenly; not the last one again, and reachable at once if any is."""
+        """Draw among the group's steps with equal weights: not the last one, and reachable at once if possible."""
         chance = np.random.default_rng([*self._seed, max(measure, 0)])
         hops = self._graph.hops[self.steps][:, nodes]
         near = [s for s, h in zip(self.steps, hops, strict=True) if (h <= 1).all()]

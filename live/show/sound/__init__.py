@@ -1,1 +1,1 @@
-"""Sound of a show: soundtrack of a film, click, Link. It may import what `show` may."""
+"""Sound of a show: film soundtrack, click track, Ableton Link, clock events. It may import what `show` may."""

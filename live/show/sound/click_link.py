@@ -1,7 +1,4 @@
-"""OnClick: the players' click runs with a show, and is switched by its events.
-
-OnLink: what a Link session is told of a running show, and what the show tells of the session.
-"""
+"""Adapters that connect a show to the musicians' click track and to an Ableton Link session."""
 
 import math
 from typing import Any
@@ -14,7 +11,7 @@ from live.show.show import Show
 
 
 class OnClick:
-    """Between the show and its click. Thread: the one that runs the show."""
+    """Connection of a show to its click output. Thread: the show's."""
 
     def __init__(self, show: Show, output: ClickOutput) -> None:
         self._show = show
@@ -24,32 +21,32 @@ class OnClick:
         """Open the output; PersonError if it refuses."""
         try:
             self.output.start()
-        except Exception as error:  # PortAudioError, whose class is known only where PortAudio is
+        except Exception as error:  # PortAudioError, whose class exists only where PortAudio is installed
             raise device_refuses(error, "--click", self.output.device.name) from None
 
     def stop(self) -> None:
-        """Close it."""
+        """Close the output."""
         self.output.stop()
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         return self.output.facts()
 
     def frame(self) -> None:
-        """After each frame: how the show runs, and what is counted down to."""
+        """Pass the Timeline and the end of a count-in to the output, after each frame."""
         show = self._show
         left = show.follower.counting_in
         one = math.floor(show.timeline.beat_at(show.time) + left) if left else -math.inf
         self.output.show(show.timeline, one)
 
     def heard(self, event: ControlEvent) -> None:
-        """An event of the show."""
+        """Handle an event of the show."""
         if isinstance(event, SetClick):
             self.output.track.on = event.on
 
 
 class OnLink:
-    """Between the show and its session. Thread: the one that runs the show."""
+    """Connection of a show to its Link session. Thread: the show's."""
 
     def __init__(self, show: Show, session: LinkSession) -> None:
         self._show = show
@@ -61,11 +58,12 @@ class OnLink:
         self._session.start()
 
     def stop(self) -> None:
-        """Leave it."""
+        """Leave the session."""
         self._session.stop()
 
     def frame(self) -> None:
-        """After each frame: how the show runs, and a tempo set by hand while the session is what is followed."""
+        """Pass Timeline and tempo to the session after each frame, and a manual tempo while the session is the
+        source."""
         follower = self._show.follower
         self._session.show(self._show.timeline, follower.tempo)
         count, tempo = follower.hand_tempo
@@ -75,12 +73,12 @@ class OnLink:
                 self._session.set_tempo(tempo)
 
     def heard(self, event: ControlEvent) -> None:
-        """An event of the show: whoever leads and says where the one is moves everybody to it."""
+        """Handle an event of the show: in lead mode a "this is the one" resynchronizes all peers."""
         if isinstance(event, One) and self._session.mode == "lead":
             self._session.resync()
 
     def status(self) -> dict[str, Any]:
-        """For the status line."""
+        """Return figures for the status line."""
         reading = self._session.reading
         return {
             "mode": self._session.mode,

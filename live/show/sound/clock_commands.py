@@ -1,4 +1,4 @@
-"""What events of the clock tell the follower."""
+"""Handling of clock events by the timeline follower."""
 
 import math
 from typing import Final
@@ -13,11 +13,11 @@ CLOCK_EVENTS: Final = (
     events.BeatHeard, events.SourceChanged, events.Tap, events.One, events.SetTempo, events.Nudge, events.ShiftBeats,
     events.ScaleTempo, events.HoldTempo, events.SetMetre, events.CountIn, events.ChooseSource,
 )  # fmt: skip
-"""The events that are the follower's."""
+"""The events for the follower."""
 
 
 def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
-    """The follower of a show; `tempo` [bpm]: run that instead of the patch's, the music is another one."""
+    """Return the follower of a show. `tempo` [bpm] overrides the patch's, for music other than the patch's."""
     clock, music = patch.clock, patch.music
     return TimelineFollower(
         tempo=tempo or clock.bpm,
@@ -31,9 +31,9 @@ def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
 
 
 def first_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[Seed]:
-    """What a tracker of sound should know before it hears anything; `known`: the patch's own music is played.
+    """Return the seeds of a beat tracker at the start; `known`: the patch's own music is played.
 
-    Where that music's first downbeat lies, its player says in seconds of the sound: nobody knows yet when it is heard.
+    The position of that music's first downbeat is not among them: its player reports it later, in audio time.
     """
     seeds = []
     if not patch.clock.follow_metre:
@@ -44,7 +44,7 @@ def first_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[S
 
 
 def tell(follower: TimelineFollower, event: ControlEvent) -> str:
-    """Let an event of CLOCK_EVENTS act; what was refused, in words, or ""."""
+    """Apply an event of CLOCK_EVENTS; return the reason if it was refused, else ""."""
     refused = follower.refused
     match event:
         case events.BeatHeard() | events.SourceChanged():

@@ -1,7 +1,4 @@
-"""What a film of a show is heard with: its music, a click track, and the taps of its dancers' shoes (T130).
-
-The sounds of a tap shoe and of a click track, made from nothing but numbers (T130).
-"""
+"""Soundtrack of a film: its music, a click track and tap-shoe sounds, synthesized without samples (T130)."""
 
 import math
 from collections import deque
@@ -24,17 +21,17 @@ CLICK_SECONDS: Final = 0.035
 ACCENT_HZ: Final = 1760.0
 BEAT_HZ: Final = 1175.0
 VARIANTS: Final = 6
-"""Shoes that sound a little different, so that a line of dancers is no machine gun."""
+"""Number of variants of each tap sound, so that unison taps do not sound mechanical."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Plate:
-    """What rings when a part of the shoe strikes: metal (frequency [Hz], decay [s], level), and the wooden floor."""
+    """Resonances of a part of the shoe, (frequency [Hz], decay [s], level): the metal plate and the wooden floor."""
 
     metal: tuple[tuple[float, float, float], ...]
     wood: tuple[tuple[float, float, float], ...]
     noise: float
-    """Level of the first contact's rustle."""
+    """Level of the noise at first contact."""
 
 
 _BALL: Final = _Plate(
@@ -50,20 +47,20 @@ _HEEL: Final = _Plate(
 
 
 def tap_voices(seed: int, rate: int) -> list[list[Float32]]:
-    """Sounds of `TAP_SECONDS` at `rate` [Hz] with peak 1, in VARIANTS: lists for ball, heel and flat foot.
+    """Return VARIANTS sounds each for ball, heel and flat foot, of `TAP_SECONDS` at `rate` [Hz] with peak 1.
 
-    The same seed gives the same shoes.
+    The same seed gives the same sounds.
     """
     chance = np.random.default_rng([seed, 0x7A9])
     ball = [_strike(_BALL, chance, rate) for _ in range(VARIANTS)]
     heel = [_strike(_HEEL, chance, rate) for _ in range(VARIANTS)]
-    late = max(1, round(0.002 * rate))  # heel and ball of a flat foot are never quite together
+    late = max(1, round(0.002 * rate))  # heel and ball of a flat foot land slightly apart
     flat = [_loudest(h + 0.8 * np.concatenate((np.zeros(late), b[:-late]))) for b, h in zip(ball, heel, strict=True)]
     return [[voice.astype(np.float32) for voice in voices] for voices in (ball, heel, flat)]
 
 
 def click_voices(rate: int) -> tuple[Float32, Float32]:
-    """The click of a measure's first beat, and that of all others, at `rate` [Hz] with peak 1."""
+    """Return the clicks of a measure's first beat and of the other beats, at `rate` [Hz] with peak 1."""
     return _click(ACCENT_HZ, rate), _click(BEAT_HZ, rate)
 
 
@@ -94,28 +91,28 @@ def _loudest(sound: Float64) -> Float64:
 
 
 RATE: Final = 48000
-"""Samples per second where no music says otherwise."""
+"""Default sample rate, without music [Hz]."""
 MAX_VOICES: Final = 64
-"""Taps that sound at once at most; those that come when all are taken are left out."""
+"""Maximum number of simultaneous taps; further ones are dropped."""
 CLICK_LEVEL: Final = 0.22
 TAP_LEVEL: Final = 0.55
 MUSIC_LEVEL: Final = 0.8
-"""Level of the music beside click or taps; alone it is not touched."""
+"""Level of the music when mixed with click or taps; alone it is unchanged."""
 WIDTH: Final = 0.8
-"""How far to the side a dancer at the edge of the stage is heard, 0 to 1."""
+"""Stereo pan of a dancer at the edge of the stage, 0 to 1."""
 EARLIEST: Final = 0.5
-"""Clicks and taps from before a film's first moment are not heard; later ones are at most this late [s]."""
+"""Clicks and taps that are late by more than this are dropped [s]; others begin at once."""
 
 
 class ShowSound:
-    """Mixes a film's sound as the show goes on: `frame` after each frame, `film` to be read by the encoder.
+    """Mixer for a film's sound: call `frame` after each frame; the encoder reads `film`.
 
-    A show of many dancers is louder than one dancer, but by far not as many times as there are dancers; who is farther
-    from the camera is softer. Thread: `frame` on the main thread, reading on the encoder's.
+    Tap level grows with the number of dancers, but less than proportionally, and falls with the distance from the
+    camera. Thread: `frame` on the main thread, reading on the encoder's.
     """
 
     def __init__(self, show: Show, music: FilmSound | None, *, click: bool, taps: bool, begin: float = 0.0) -> None:
-        """`music` from the show's first moment; the film begins at `begin` [s]."""
+        """`music`: from the start of the show; the film begins at `begin` [s]."""
         self._show = show
         self._music = music
         self.rate = RATE if music is None else music.rate
@@ -128,7 +125,7 @@ class ShowSound:
         self._share = TAP_LEVEL / len(show.group) ** 0.6
         self._sounding: deque[float] = deque()
         self.left_out = 0
-        """Taps for which no voice was left."""
+        """Taps dropped because all voices were in use."""
         self._made = round(begin * self.rate)
         self._ahead: Float32 = np.zeros((0, 2), np.float32)
         self._ahead_taps: Float32 = np.zeros((0, 2), np.float32)
@@ -137,11 +134,11 @@ class ShowSound:
 
     @property
     def film(self) -> FilmSound:
-        """What the film's encoder reads: two channels, as far as they are mixed."""
+        """The mixed sound for the film's encoder, in two channels."""
         return FilmSound(self.rate, 2, self._read)
 
     def frame(self, view: StageView) -> None:
-        """Mix the sound up to the moment of this frame, which was just filled."""
+        """Mix the sound up to the time of this frame, which was just filled."""
         if self._click is not None:
             self._add_clicks(view)
         if self._falls is not None:
@@ -179,7 +176,7 @@ class ShowSound:
         self._ahead_taps = self._add(self._ahead_taps, fall.time, voice, gains)
 
     def _add(self, ahead: Float32, time: float, voice: Float32, gains: tuple[float, float]) -> Float32:
-        """The samples that are still to come with a voice from `time` [s] on; what is too late begins at once."""
+        """Return the future samples with a voice added at `time` [s]; a late voice begins at once."""
         begin = round(time * self.rate) - self._made
         if begin < -EARLIEST * self.rate or time < 0.0:
             return ahead
@@ -190,12 +187,12 @@ class ShowSound:
         return ahead
 
     def _finish(self, count: int) -> None:
-        """Hand out the next `count` samples."""
+        """Complete the next `count` samples."""
         block = _first(self._ahead, count) + np.tanh(_first(self._ahead_taps, count))
         self._ahead, self._ahead_taps = self._ahead[count:], self._ahead_taps[count:]
         if self._music is not None and count:
             heard = self._music.read(self._made, count)
-            block[: len(heard)] += MUSIC_LEVEL * heard  # one channel is heard on both sides
+            block[: len(heard)] += MUSIC_LEVEL * heard  # mono is broadcast to both channels
         self._made += count
         self._blocks.append(block)
 
@@ -211,7 +208,7 @@ class ShowSound:
 
 
 def _first(ahead: Float32, count: int) -> Float32:
-    """The first `count` rows, filled up with silence."""
+    """Return the first `count` rows, padded with silence."""
     rows = np.zeros((count, 2), np.float32)
     rows[: len(ahead)] = ahead[:count]
     return rows

@@ -1,1 +1,1 @@
-"""The venue: what is true of a hall and not of a show. It may import what `show` may."""
+"""Venue settings: devices, delays, outputs and network of a hall. It may import what `show` may."""

@@ -1,9 +1,4 @@
-"""Venue: what is true of a hall and not of a show: its sound devices and how long sound and pictures take there.
-
-What was measured, brought into the text of a venue's file so that all that a person wrote in it stays as it is.
-
-Latencies: the delays of a venue as the running show uses them, changed by hand while it runs.
-"""
+"""Venue files: the devices and delays of a hall, independent of a show; also their update with measured values."""
 
 import re
 from collections.abc import Mapping
@@ -32,88 +27,88 @@ Spread = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 
 
 class VenueAudio(Section):
-    """`[audio]`: which devices are used where the command line names none."""
+    """`[audio]`: default audio devices, if the command line names none."""
 
     device: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The input that is listened to, by its name or a part of it."""
+    """The input device, by its name or a part of it."""
     channels: Numbers | None = None
-    """Which of its channels, from 1; the first two if left out."""
+    """Its channels, from 1; default: the first two."""
     output: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The output that music is played to."""
+    """The output device for music."""
     click: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The output on which the players hear a click."""
+    """The output device for the musicians' click track."""
     click_channels: Numbers | None = None
-    """Which of its channels, from 1; the first two if left out."""
+    """Its channels, from 1; default: the first two."""
 
 
 class VenueLatency(Section):
-    """`[latency]`: how long things take; `live calibrate` measures them."""
+    """`[latency]`: delays in the hall; `live calibrate` measures them."""
 
     input_ms: Sooner = 0.0
-    """From the sound that is heard to its samples here."""
+    """From a sound in the hall to its samples in the program."""
     output_ms: Sooner | None = None
-    """From samples handed over here to the sound that is heard; what the device says if left out."""
+    """From samples in the program to the sound in the hall; default: the value reported by the device."""
     display_ms: Later = TICK * 1000.0
-    """From a picture drawn here to the display; a frame of 60 Hz if left out."""
+    """From drawing to the display; default: one frame at 60 Hz."""
     projector_ms: Later = 0.0
-    """What the projector, and all that lies between, takes longer."""
+    """Additional delay of the projector and the devices before it."""
     click_ms: Sooner = 0.0
-    """How much later the click is heard than its device says."""
+    """Additional delay of the click, beyond the value reported by its device."""
     round_trip_ms: Sooner | None = None
-    """What was measured last from output to input; for the record."""
+    """The last measured delay from output to input; for information."""
     round_trip_spread_ms: Spread | None = None
-    """How far single measurements differed."""
+    """Spread of the single measurements."""
     claps_spread_ms: Spread | None = None
-    """How far single claps differed, when the picture was measured."""
+    """Spread of the single claps when the picture was measured."""
 
 
 class VenueMidi(Section):
-    """`[midi]`: which ports are used where the command line names none."""
+    """`[midi]`: default MIDI ports, if the command line names none."""
 
     input: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The port that is listened to, by its name or a part of it."""
+    """The input port, by its name or a part of it."""
     output: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The port that is told present values: the lights of pads, motor faders."""
+    """The port for feedback of current values: pad lights, motor faders."""
     clock_out: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The port that the show's beat is sent to as MIDI clock."""
+    """The port for MIDI clock, sent at the show's beat."""
 
 
 class VenueOsc(Section):
-    """`[osc]`: whom the show tells what happens, where the command line names nobody."""
+    """`[osc]`: default receivers of outgoing OSC, if the command line names none."""
 
     out: Targets = ()
     """Addresses like `192.168.1.20:57120`."""
 
 
 class VenueVmc(Section):
-    """`[vmc]`: where real dancers' bodies are listened for, where the command line says nothing."""
+    """`[vmc]`: default ports for motion capture over VMC, if the command line names none."""
 
     at: Endpoints = ()
-    """Ports like `39539`, or with the address of this machine as in `0.0.0.0:39539`."""
+    """Ports like `39539`, or with the local address as in `0.0.0.0:39539`."""
 
 
 class VenuePsn(Section):
-    """`[psn]`: where trackers are listened for, where the command line says nothing."""
+    """`[psn]`: default address for PosiStageNet trackers, if the command line names none."""
 
     at: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """As in `236.10.10.10:56565`, or with the address of the network card, `236.10.10.10:56565@192.168.1.5`."""
+    """Such as `236.10.10.10:56565`, or with the network card's address, `236.10.10.10:56565@192.168.1.5`."""
 
 
 Host = Annotated[str, Field(pattern=HOST_NAME)]
 
 
 class VenueWeb(Section):
-    """`[web]`: of the operator's page and of OSCQuery."""
+    """`[web]`: settings of the operator's page and of OSCQuery."""
 
     hosts: Annotated[tuple[Host, ...], Field(max_length=16)] = ()
-    """Names by which this machine is reached beside its addresses, as in `show.example` or `show.example:443`."""
+    """Host names of this machine in addition to its addresses, such as `show.example` or `show.example:443`."""
 
 
 class Venue(Section):
-    """A hall."""
+    """Settings of a hall."""
 
     name: Name = "venue"
-    """What it is called."""
+    """Name of the venue."""
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
     osc: VenueOsc = VenueOsc()
@@ -123,11 +118,11 @@ class Venue(Section):
     audience: VenueAudience = VenueAudience()
     latency: VenueLatency = VenueLatency()
     projector: VenueProjector | None = None
-    """Where its projector stands, and where its picture has the corners of the floor."""
+    """Position of the projector, and the floor's corners in its picture."""
     output: Annotated[tuple[VenueOutput, ...], Field(max_length=MOST_OUTPUTS)] = ()
     """Its projectors; without any the picture fills one window."""
     operator: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """The monitor of the operator's own window, as `--operator` names it."""
+    """The monitor of the operator's window, in the form of `--operator`."""
 
     @field_validator("output")
     @classmethod
@@ -144,18 +139,18 @@ class Venue(Section):
 
 
 def user_venues() -> Path:
-    """The user's own folder of venues."""
+    """Return the user's folder of venues."""
     return user_settings() / "venues"
 
 
 VENUES: Final = PATCHES / "venues"
-"""The project's own venues."""
+"""The project's folder of venues."""
 
 
 def venue_path(name: str) -> Path:
-    """The file of a venue: the user's own, else the project's, else where the user's own would be.
+    """Return the file of a venue: the user's, else the project's, else the path for a new one of the user's.
 
-    PersonError for a name that no venue can have: venues are never looked up elsewhere, least of all in a show.
+    PersonError for an invalid name: venues are never looked up outside these folders, least of all in a show.
     """
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
         raise PersonError(
@@ -166,16 +161,18 @@ def venue_path(name: str) -> Path:
 
 
 def known_venues() -> list[str]:
-    """The names of all venues there are."""
+    """Return the names of all venues."""
     return sorted({path.stem for folder in (user_venues(), VENUES) for path in folder.glob("*.toml")})
 
 
 def read_venue(name: str) -> Venue:
-    """The venue of that name; PersonError if there is none, or for what is wrong in its file."""
+    """Read a venue by name; PersonError if it does not exist or its file is invalid."""
     path = venue_path(name)
     if not is_file(path):
         known = ", ".join(known_venues()) or "none yet"
-        raise PersonError(f"there is no venue {name!r}", f"live calibrate --venue {name} makes it; there are: {known}")
+        raise PersonError(
+            f"there is no venue {name!r}", f"create it with live calibrate --venue {name}; there are: {known}"
+        )
     return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
 
 
@@ -183,9 +180,9 @@ HEAD = "# A venue: what is true of the hall and not of the show.\n\n"
 
 
 def with_values(text: str, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
-    """The TOML `text` (empty for a new file) with `values` by table and key; comments and all else are kept.
+    """Return the TOML `text` (empty for a new file) with `values` by table and key; all else is kept, with comments.
 
-    `comment` stands behind each of the lines that are new or changed.
+    `comment` is appended to each new or changed line.
     """
     document = tomlkit.parse(text or f"{HEAD}name = {tomlkit.item(name).as_string()}\n")
     for table, keys in values.items():
@@ -201,7 +198,7 @@ def with_values(text: str, name: str, values: Mapping[str, Mapping[str, object]]
 
 
 def changed_venue(path: Path, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
-    """The text that the venue's file gets; PersonError if what is there is wrong."""
+    """Return the new text of a venue's file; PersonError if the present text is invalid."""
     before = read_text(path, "venue") if is_file(path) else ""
     parse_model(before, str(path), Venue, "venue")
     try:
@@ -214,19 +211,19 @@ def changed_venue(path: Path, name: str, values: Mapping[str, Mapping[str, objec
 
 @dataclass(slots=True)
 class Latencies:
-    """Delays [s]. Thread: the show's; single values may be read from any."""
+    """Current delays [s], adjustable during the show. Thread: the show's; single values may be read from any."""
 
     input: float = 0.0
-    """From the sound that is heard to its samples here."""
+    """From a sound in the hall to its samples in the program."""
     output: float | None = None
-    """From samples handed over to the sound that is heard; None: as the device says."""
+    """From samples in the program to the sound in the hall; None: the value reported by the device."""
     display: float = TICK
-    """From a picture drawn to the display."""
+    """From drawing to the display."""
     projector: float = 0.0
 
     @classmethod
     def of(cls, venue: Venue | None) -> "Latencies":
-        """Those of a venue; the usual ones without."""
+        """Return the delays of a venue; the defaults without one."""
         if venue is None:
             return cls()
         one = venue.latency
@@ -239,16 +236,16 @@ class Latencies:
 
     @property
     def lead(self) -> float:
-        """How far ahead of the clock a picture must be when it is drawn [s]: it is seen so much later."""
+        """Total picture delay [s]: a frame must be drawn for this much later than the clock."""
         return self.display + self.projector
 
     def set(self, what: str, seconds: float) -> None:
-        """Change one by its name; names there are not are left alone (replays of other versions)."""
+        """Change one delay by name; unknown names are ignored (replays of other versions)."""
         if what in ("input", "output", "display", "projector"):
             setattr(self, what, seconds)
 
     def facts(self) -> dict[str, float | None]:
-        """In milliseconds, for the status."""
+        """Return the delays in milliseconds, for the status."""
         names = ("input", "output", "display", "projector", "lead")
         values = {name: getattr(self, name) for name in names}
         return {f"{name}_ms": None if value is None else round(1000.0 * value, 2) for name, value in values.items()}

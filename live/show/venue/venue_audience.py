@@ -1,4 +1,4 @@
-"""`[audience]` of a venue: what the network is like by which phones come, and the certificate they are met with."""
+"""`[audience]` of a venue: network of the phones, and the certificate of the audience server."""
 
 import ipaddress
 from typing import Annotated, Literal, Self
@@ -11,24 +11,24 @@ File = Annotated[str, Field(min_length=1, max_length=400)]
 
 
 class VenueAudience(Section):
-    """`[audience]`: how phones are told apart in this hall."""
+    """`[audience]`: how phones are identified in this hall."""
 
     network: Literal["own wifi", "behind nat", "proxy"] | None = None
-    """`own wifi`: each phone has an address of its own; `behind nat`: they share one, or a few; `proxy`: they come
-    through `proxies`, which say whose address each has. Left out: own wifi, or behind nat on this machine alone."""
+    """`own wifi`: each phone has its own address; `behind nat`: they share one or a few; `proxy`: they connect through
+    `proxies`, which forward their addresses. Default: own wifi, or behind nat if only this machine can connect."""
     proxies: Annotated[tuple[str, ...], Field(max_length=16)] = ()
-    """Addresses or networks, as in `["192.168.1.2", "10.0.0.0/24"]`, whose X-Forwarded-For or Forwarded is believed."""
+    """Addresses or networks, as in `["192.168.1.2", "10.0.0.0/24"]`, whose X-Forwarded-For or Forwarded is trusted."""
     by_card: bool = True
-    """On own wifi, whether phones are told apart by their network cards where this machine sees them; false where a
-    repeater hides them behind its own."""
+    """On own wifi, whether phones are identified by MAC address where this machine sees it; false if a repeater
+    replaces it with its own."""
     code_s: Annotated[float, Field(ge=10, le=600, allow_inf_nan=False)] = 30.0
-    """The code on the wall is another one after so many seconds ..."""
+    """Interval at which the code on the wall changes [s]."""
     grace_s: Annotated[float, Field(ge=20, le=3600, allow_inf_nan=False)] = 120.0
-    """... and lets in, a few at a time, for so long after it has gone."""
+    """Time for which an old code still admits phones, at a limited rate [s]."""
     joins_per_code: Annotated[int, Field(ge=1, le=8000)] | None = None
-    """So many devices come in by one code; twice as many as the patch lets play, and at least 200, if left out."""
+    """Maximum number of devices per code; default: twice the patch's number of players, at least 200."""
     certificate: File | None = None
-    """A PEM file with the certificate for https, and those that vouch for it; beside this file, or a whole path."""
+    """A PEM file with the https certificate and its chain; relative to this file, or an absolute path."""
     key: File | None = None
     """The PEM file with its key."""
 
@@ -43,7 +43,7 @@ class VenueAudience(Section):
                     f'an address or a network as in "10.0.0.0/24" expected, found {text[:60]!r}', index
                 ) from None
             if network.prefixlen == 0:
-                raise Amiss(f"{text!r} is everybody: then each phone could name any address; name the proxies", index)
+                raise Amiss(f"{text!r} matches every address, so phones could forge theirs; name the proxies", index)
         return proxies
 
     @model_validator(mode="after")

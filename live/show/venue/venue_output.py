@@ -1,7 +1,4 @@
-"""`[[output]]` of a venue: which projector shows what part of the picture, and how it is bent there.
-
-`[projector]` of a venue: where the hall's own projector stands, for every show that is played there.
-"""
+"""`[[output]]` and `[projector]` of a venue: outputs with crop and warp, and the projector's position."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -27,20 +24,20 @@ MOST_OUTPUTS: Final = 8
 
 
 class VenueSoftEdge(Section):
-    """`soft_edge`: how the picture fades out where another projector's begins."""
+    """`soft_edge`: edge blending with overlapping projectors."""
 
     left: Breadth = 0.0
-    """Breadth at its left, as a share of what this output shows."""
+    """Width of the blend at the left edge, as a share of this output's picture."""
     right: Breadth = 0.0
-    """At its right."""
+    """Width at the right edge."""
     top: Breadth = 0.0
-    """Above."""
+    """Width at the upper edge."""
     bottom: Breadth = 0.0
-    """Below."""
+    """Width at the lower edge."""
     gamma: Curve = 2.2
-    """The projector's own: light = signal ** gamma."""
+    """The projector's gamma: light = signal ** gamma."""
     black: Annotated[float, Field(ge=0, le=0.2, allow_inf_nan=False)] = 0.0
-    """Light that the projector gives for black, as a share of white; what does not overlap is lifted by it."""
+    """The projector's black level, as a share of white; areas without overlap are raised by it."""
 
     @model_validator(mode="after")
     def _apart(self) -> Self:
@@ -53,26 +50,26 @@ class VenueOutput(Section):
     """`[[output]]`: one projector."""
 
     name: Name = "picture"
-    """What `/dance/output/card` calls it, and what stands on its test card."""
+    """Its name in `/dance/output/card` and on its test card."""
     monitor: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """Its monitor: a number, a name as `live devices` shows it, or a place, as in "right of primary"."""
+    """Its monitor: a number, a name as in `live devices`, or a position, as in "right of primary"."""
     crop: tuple[Share, Share, Share, Share] = WHOLE
-    """The part of the picture that it shows: x, y of its upper left corner, width, height, each 0 to 1."""
+    """The part of the picture that it shows: x, y of the upper left corner, width, height, each 0 to 1."""
     corners: tuple[Point, Point, Point, Point] = UNBENT
-    """Where its corners land in the window: upper left, upper right, lower right, lower left; (0, 0) is the window's
+    """Positions of its corners in the window: upper left, upper right, lower right, lower left; (0, 0) is the window's
     upper left corner, (1, 1) its lower right one."""
     mesh: Annotated[tuple[tuple[Point, ...], ...], Field(max_length=64)] = ()
-    """Rows of points that bend it smoothly, each row from left to right; the regular grid from 0 to 1 bends nothing."""
+    """Rows of points of a smooth warp, each row from left to right; the regular grid from 0 to 1 is the identity."""
     rotation: Rotation = 0
-    """It is turned so far clockwise [degrees]: 0, 90, 180 or 270."""
+    """Clockwise rotation [degrees]: 0, 90, 180 or 270."""
     mirror: bool = False
-    """Left and right change places, for projection from behind."""
+    """Whether it is mirrored left to right, for rear projection."""
     soft_edge: VenueSoftEdge = VenueSoftEdge()
-    """How it fades out where another projector's picture begins."""
+    """Edge blending with other projectors."""
     mask: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """A PNG beside this file, laid over the window: black hides, white shows."""
+    """A PNG in the folder of this file, laid over the window: black hides, white shows."""
     brightness: Share = 1.0
-    """Share of the light."""
+    """Brightness, 0 to 1."""
     gamma: Curve = 1.0
     """Above 1 darkens the middle tones, to match another projector."""
 
@@ -109,11 +106,11 @@ class VenueOutput(Section):
     @classmethod
     def _beside(cls, mask: str | None) -> str | None:
         if mask is not None and (Path(mask).is_absolute() or ".." in Path(mask).parts):
-            raise ValueError("a file beside the venue's expected, without a path that leads elsewhere")
+            raise ValueError("a file in the venue's folder expected, as a relative path without '..'")
         return mask
 
     def output(self, folder: Path) -> Output:
-        """The value that the renderer knows; `folder`: where the venue's file lies."""
+        """Return the renderer's value; `folder`: the folder of the venue's file."""
         return Output(
             name=self.name, monitor=self.monitor, crop=self.crop, corners=self.corners,
             mesh=self.mesh, rotation=self.rotation, mirror=self.mirror,
@@ -124,7 +121,7 @@ class VenueOutput(Section):
 
 @contextmanager
 def _as_value_error() -> Iterator[None]:
-    """What a person is told, as pydantic wants it."""
+    """Convert a PersonError to the ValueError that pydantic expects."""
     try:
         yield
     except PersonError as error:
@@ -132,25 +129,25 @@ def _as_value_error() -> Iterator[None]:
 
 
 def check_outputs(outputs: Sequence[VenueOutput]) -> None:
-    """Amiss if two of them have one name."""
+    """Raise Amiss if two outputs have the same name."""
     names: set[str] = set()
     for number, one in enumerate(outputs):
         if one.name.casefold() in names:
-            raise Amiss(f"another output is called {one.name!r}, too", number, "name")
+            raise Amiss(f"another output has the name {one.name!r}, too", number, "name")
         names.add(one.name.casefold())
 
 
 class VenueProjector(Section):
-    """As in a patch, and before it: the projector is the hall's."""
+    """`[projector]`: as in a patch, and with precedence over it, because the projector belongs to the hall."""
 
     at: tuple[Far, Far, Far]
-    """Where its lens is: x, y (up), z [m]."""
+    """Position of its lens: x, y (up), z [m]."""
     corners: FloorCorners | None = None
-    """Where the picture has the floor's corners, as in a patch; nobody has measured them yet if left out."""
+    """The floor's corners in the picture, as in a patch; left out if not measured yet."""
     aspect: Annotated[float, Field(gt=0.1, le=20)] = 16 / 9
-    """Width of that picture by its height."""
+    """Aspect ratio of that picture, width / height."""
     begins: bool = True
-    """Whether shows begin with its view, whatever `[camera]` they have; it is the view `projector` anyway."""
+    """Whether shows begin with its view instead of their `[camera]`; it is always available as view `projector`."""
 
     @model_validator(mode="after")
     def _a_floor(self) -> Self:
@@ -160,7 +157,7 @@ class VenueProjector(Section):
 
 
 def in_hall(patch: Patch, projector: VenueProjector | None) -> Patch:
-    """The patch as it is played where that projector stands; PersonError if it cannot see this show's stage so."""
+    """Return the patch adapted to a hall's projector; PersonError if its picture cannot match this show's stage."""
     if projector is None or projector.corners is None:
         return patch
     with named("venue: projector.corners"):
@@ -168,7 +165,7 @@ def in_hall(patch: Patch, projector: VenueProjector | None) -> Patch:
     section = ProjectorSection(at=projector.at, corners=projector.corners, aspect=projector.aspect)
     values = {key: getattr(patch, key) for key in Patch.model_fields} | {"projector": section}
     written = patch.model_fields_set | {"projector"}
-    if projector.begins:  # as if no camera had been written
+    if projector.begins:  # as if the patch had no [camera]
         values["camera"] = CameraSection()
         written -= {"camera"}
     return Patch.model_construct(_fields_set=written, **values)

@@ -1,4 +1,4 @@
-"""How an output is bent, brought into the text of a venue's file; all that a person wrote in it stays as it is."""
+"""Writer for the warp of an output into a venue's TOML file, which keeps all other text and comments."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,13 +15,13 @@ from live.show.patch.patch_search_path import is_file
 from live.show.venue.venue import HEAD, Venue
 
 DIGITS = 5
-"""Of a point, behind the point: a hundredth of a pixel of the finest projector."""
+"""Decimal places of a coordinate: 1/100 pixel of the largest projector."""
 
 
 def with_output(text: str, name: str, output: Output) -> str:
-    """The TOML `text` (empty for a new file of the venue `name`) with corners and mesh of the output of that name.
+    """Return the TOML `text` (empty for a new file of the venue `name`) with corners and mesh of `output`.
 
-    Comments and everything else are kept; an output that the text does not have is added.
+    Everything else is kept, with comments; a missing output is added.
     """
     document = tomlkit.parse(text or f"{HEAD}name = {tomlkit.item(name).as_string()}\n")
     if "output" not in document:
@@ -41,19 +41,19 @@ def with_output(text: str, name: str, output: Output) -> str:
 
 
 def changed_output(path: Path, name: str, output: Output) -> str:
-    """The text that the venue's file gets; PersonError if what is there is wrong."""
+    """Return the new text of a venue's file; PersonError if the present text is invalid."""
     before = read_text(path, "venue") if is_file(path) else ""
     parse_model(before, str(path), Venue, "venue")
     try:
         text = with_output(before, name, output)
     except TOMLKitError as error:
-        raise PersonError(f"{path}: {error}", "repair it, and keep the output again") from None
+        raise PersonError(f"{path}: {error}", "correct the file, and save the output again") from None
     parse_model(text, str(path), Venue, "venue")
     return text
 
 
 def _put(table: Any, key: str, value: Any) -> None:
-    """Set a key, or take it away."""
+    """Set a key, or remove it for None."""
     if value is not None:
         table[key] = value
     elif key in table:
@@ -65,7 +65,7 @@ def _row(points: Sequence[Point]) -> Any:
 
 
 def _rows(mesh: Sequence[Sequence[Point]]) -> Any:
-    """A row of the mesh on each line."""
+    """Return the mesh as a TOML array with one row per line."""
     rows = tomlkit.array()
     for row in mesh:
         rows.append(_row(row))

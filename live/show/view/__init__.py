@@ -1,1 +1,1 @@
-"""The snapshot that is drawn, filled from a show's state. It may import what `show` may."""
+"""The drawing snapshot of a show, its scene and debug overlay. It may import what `show` may."""

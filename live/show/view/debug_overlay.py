@@ -1,8 +1,8 @@
-"""Guides: what the show intends for each dancer, as strokes for the operator's picture (why she goes where she goes).
+"""Debug overlay for the operator: strokes on the floor that show each dancer's agent and target.
 
-On the floor at the dancer's feet: a cross where her agent is, and a line to it; a ring where she is to stand when the
-measure ends (the predicted agent), joined to her by a line, from green to red by how far her measure will really end
-from there; under each foot a square while it is held.
+A cross marks the agent, with a line from the dancer. A ring marks the target at the end of the measure (the predicted
+agent), with a line from the dancer; its colour goes from green to red with the distance at which the measure will
+actually end. A square under a foot means that it is locked.
 """
 
 from typing import Final
@@ -18,12 +18,12 @@ from live.show.show import Show
 Float32 = npt.NDArray[np.float32]
 
 RING: Final = 10
-"""Strokes of a ring."""
+"""Number of strokes of a ring."""
 RING_M: Final = 0.16
 CROSS_M: Final = 0.10
 FOOT_M: Final = 0.07
 RED_M: Final = 0.25
-"""A measure that ends so far from where it should [m] is drawn red."""
+"""Distance from the target at which a measure is drawn red [m]."""
 OVER_FLOOR: Final = 0.012
 AGENT: Final = (0.35, 0.75, 1.0, 0.9)
 STANDS: Final = (1.0, 0.95, 0.3, 0.9)
@@ -31,7 +31,7 @@ FEET: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 
 
 def draw_guides(show: Show, view: StageView) -> None:
-    """Write the strokes of all dancers on the stage into the view, as many as it holds."""
+    """Write the strokes of all dancers on the stage into the view, up to its capacity."""
     there = np.flatnonzero(view.present)
     hips = view.joint_position[there, 0][:, (0, 2)].astype(np.float64)
     agent = show.state.position[there].astype(np.float64)
@@ -57,7 +57,7 @@ def draw_guides(show: Show, view: StageView) -> None:
 def _outline(
     view: StageView, count: int, middle: npt.NDArray[np.float64], radius: float, corners: int, colour: npt.ArrayLike
 ) -> int:
-    """A regular polygon about each of `middle` (n, 2) [m]."""
+    """Add a regular polygon around each of `middle` (n, 2) [m]; return the new number of strokes."""
     angle = np.linspace(0.0, 2.0 * np.pi, corners + 1) + np.pi / 4.0
     around = radius * np.column_stack([np.sin(angle), np.cos(angle)])
     for k in range(corners):
@@ -68,7 +68,7 @@ def _outline(
 def _strokes(
     view: StageView, count: int, begin: npt.NDArray[np.float64], end: npt.NDArray[np.float64], colour: npt.ArrayLike
 ) -> int:
-    """Strokes on the floor from `begin` (n, 2) to `end` (n, 2) [m], after `count`; returns how many there are."""
+    """Add strokes on the floor from `begin` (n, 2) to `end` (n, 2) [m] after `count`; return the new number."""
     most = min(len(begin), GUIDE_CAPACITY - count)
     rows = view.guide[count : count + most]
     rows[:, (0, 2)], rows[:, (3, 5)] = begin[:most], end[:most]

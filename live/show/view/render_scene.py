@@ -1,4 +1,4 @@
-"""The scene of a patch: what the renderer begins with."""
+"""Initial scene of the renderer, built from a patch."""
 
 import contextlib
 from dataclasses import fields
@@ -23,7 +23,7 @@ _LOOK: Final = {field.name for field in fields(Look)}
 
 
 def projector_camera(patch: Patch) -> Camera | None:
-    """The camera of a patch's `[projector]`, if it has one; PersonError if there can be no such projector."""
+    """Return the camera of a patch's `[projector]`, if it has one; PersonError if no projector matches it."""
     section = patch.projector
     if section is None:
         return None
@@ -32,20 +32,20 @@ def projector_camera(patch: Patch) -> Camera | None:
 
 
 def camera_of_section(section: CameraSection) -> Camera:
-    """The camera that a `[camera]` or `[[view]]` says."""
+    """Return the camera of a `[camera]` or `[[view]]`."""
     return Camera(section.eye, section.target, section.field_of_view_deg, section.roll_deg, section.shift)
 
 
 def camera_at_first(patch: Patch) -> Camera:
-    """The camera with which a show begins: `[camera]` if it is written, else that of the `[projector]`."""
+    """Return the initial camera: `[camera]` if the patch has it, else that of the `[projector]`."""
     projector = None if "camera" in patch.model_fields_set else projector_camera(patch)
     return projector or camera_of_section(patch.camera)
 
 
 def backgrounds_of(patch: Patch, path: Path, *, whole: bool = True) -> tuple[Background, ...]:
-    """The backgrounds of the patch at `path`; PersonError for a file that is not there or cannot be shown.
+    """Return the backgrounds of the patch at `path`; PersonError for a file that is missing or cannot be shown.
 
-    If they need not be `whole`, such a one has no file, and nothing is seen of it.
+    Unless `whole`, such a background has no file and is not drawn.
     """
     found = []
     for number, section in enumerate(patch.background):
@@ -61,7 +61,7 @@ def _background_file(name: str, path: Path, number: int) -> str:
     with named("file", ("background", number, "file")):
         file = find_beside(name, path)
         if file is None:
-            raise PersonError(f"there is no {name!r}", f"put it beside {path.name}, or correct the name")
+            raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
         check_background(file)
     return str(file)
 
@@ -69,8 +69,7 @@ def _background_file(name: str, path: Path, number: int) -> str:
 def scene_of(
     patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = (), *, whole: bool = True
 ) -> Scene:
-    """What the renderer must know of a patch, whose own characters are where `characters` says. `whole`: see
-    `backgrounds_of`."""
+    """Return the scene of a patch; `characters`: the files of its own characters. `whole`: see `backgrounds_of`."""
     look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
     colours = tuple(

@@ -1,4 +1,4 @@
-"""Seen: what is drawn of a show, and the hash over all that can be seen of it, at one moment."""
+"""View builder: fills the drawing snapshot of a show, and hashes its visible state."""
 
 from dataclasses import fields
 from typing import Final
@@ -20,13 +20,13 @@ from live.show.measure_span import MeasureSpan
 Int32 = npt.NDArray[np.int32]
 
 AHEAD: Final = 2.0 * TICK
-"""A picture lies at most a tick after the last one [s]; twice that is danced on beyond a measure line."""
+"""Maximum extrapolation beyond a measure line [s]; a frame is at most one tick after the last tick."""
 NEVER_STILL: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
-"""What of a view goes on changing while the picture is frozen."""
+"""Fields of a view that still change while the picture is frozen."""
 
 
 class Seen:
-    """Reads the dancers and agents of one show, and changes nothing."""
+    """Builder of drawing snapshots from the dancers and agents of one show; read-only."""
 
     def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk, audience: Audience) -> None:
         """`group` (A,) is shared with the show."""
@@ -35,7 +35,7 @@ class Seen:
         self._still: StageView | None = None
 
     def view(self) -> StageView:
-        """An empty drawing snapshot of the right size, to be filled each frame."""
+        """Return an empty drawing snapshot of the right size, to be filled each frame."""
         view = StageView.allocate(len(self._group), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
         return view
@@ -44,9 +44,9 @@ class Seen:
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
         ticked: float,
     ) -> None:  # fmt: skip
-        """Fill the snapshot for `time` [s]: poses at the exact beat, at most a tick after the last one (`ticked`).
+        """Fill the snapshot for `time` [s], at most a tick after the last one (`ticked`); poses are at the exact beat.
 
-        While the picture is frozen only its light changes; who has seen nothing before sees what was kept (`keep`).
+        While the picture is frozen only its light changes; a new view gets the stored picture (`keep`).
         """
         view.brightness, view.flashes = brightness, self._desk.master.flashes
         if self._desk.master.frozen and view.filled:
@@ -62,8 +62,8 @@ class Seen:
         view.filled = True
         beat = timeline.beat_at(time)
         fraction = span.fraction(beat)
-        # a picture beyond the line, which the next tick crosses, is danced on: bodies do not wait for the tick; but
-        # after a stall more lines lie behind than a tick crosses, and nobody has a pose many measures on
+        # a frame beyond the measure line extrapolates, because only the next tick crosses the line; the limit matters
+        # after a stall, when several lines are overdue and no pose exists that far ahead
         on = min(max(beat - span.end, 0.0), AHEAD * timeline.tempo / 60.0) / timeline.beats_per_measure
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
@@ -82,17 +82,17 @@ class Seen:
             self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
     def keep(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
-        """The picture has just been frozen, or goes on: keep what stands still, for who goes on with this show."""
+        """Store the picture when it is frozen, for views of a restored show; drop it when it is released."""
         if not self._desk.master.frozen:
             self._still = None
         elif self._still is None:
             still = self.view()
-            still.guide = np.zeros((0, 10), np.float32)  # the largest part of it, and never still
+            still.guide = np.zeros((0, 10), np.float32)  # the largest array, and never frozen
             self._fill(still, time, timeline, span, tempo=tempo, ticked=time)
             self._still = still
 
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
-        """A short hash over every bit of the agents' and dancers' states and the poses at the tick of `time` [s]."""
+        """Return a short hash over every bit of the agents' and dancers' states and poses at the tick `time` [s]."""
         dancers, danced, motion = self._dancers, self._dancers.present, self._motion
         beat = timeline.beat_at(time)
         return hash_of(
@@ -107,7 +107,7 @@ class Seen:
 
 
 def _copy(still: StageView, view: StageView) -> None:
-    """Let `view` show what was kept."""
+    """Copy a stored picture into `view`."""
     for field in fields(StageView):
         if field.name in NEVER_STILL:
             continue

@@ -1,1 +1,1 @@
-"""Adoption: the next supervisor takes over an engine whose own has died. It may import what `supervisor` may."""
+"""Adoption of an engine whose supervisor has died by the next supervisor. It may import whatever `supervisor` may."""

@@ -1,6 +1,7 @@
-"""Adoption: a supervisor that begins anew finds the engine of its show that lost its own, and takes it over.
+"""Adoption: a restarted supervisor finds its show's engine, which has lost its supervisor, and takes charge of it.
 
-The engine dances on meanwhile. What comes is of this user's own process (`rendezvous.py`), and is checked all the same.
+The engine keeps running meanwhile. The data comes from a process of the same user (`rendezvous.py`), but is checked all
+the same.
 """
 
 import contextlib
@@ -22,47 +23,47 @@ from live.supervisor.heartbeat import Heartbeat
 from live.supervisor.line_channel import Wire, WireBroken
 
 ANSWERS_WITHIN: Final = 6.0
-"""Seconds in which an engine that is alone answers: it looks after each frame, and may have a slow one."""
+"""Seconds for an engine without a supervisor to answer: it checks once per frame, and a frame may be slow."""
 REST_WITHIN: Final = 20.0
-"""Seconds in which the show so far is told."""
+"""Seconds for the transfer of the show so far."""
 MOST: Final = 16
-"""Descriptors that come along."""
+"""Most descriptors that are received."""
 KNOWN: Final = ("heart", "process", "rendezvous", "osc", "sound", "sound_peer")
 NEEDED: Final = ("heart", "process", "rendezvous")
 PAUSE: Final = 0.05
 UNKNOWN: Final = 1
-"""The exit code of a process that is not this one's child; its own word of how it ended goes before."""
+"""Exit code used for a process that is no child; an exit code it has announced itself takes precedence."""
 
 
 class CannotAdopt(Exception):
-    """An engine of this show dances without a supervisor, and cannot be taken over; says why."""
+    """An engine of this show runs without a supervisor and cannot be adopted; the message says why."""
 
 
 class EngineHung(Exception):
-    """An engine of this show danced without a supervisor, hung and was ended: the show goes on from its journal."""
+    """An engine of this show hung without a supervisor and was killed: the show resumes from its journal."""
 
 
 class Adopted:
-    """A process that is not this one's child, as `subprocess.Popen` shows its own.
+    """Process that is no child of this one, with the interface of `subprocess.Popen`.
 
-    How it ended the system tells its parent only: the code is `UNKNOWN`.
+    The system reports an exit code only to the parent, so the code is `UNKNOWN`.
     """
 
     def __init__(self, pid: int, descriptor: int) -> None:
-        """`descriptor`: of pidfd_open(2), so that no other process of that number is ever meant."""
+        """`descriptor`: of pidfd_open(2), so that a process that reuses the number is never addressed."""
         self.pid = pid
         self._descriptor = descriptor
         self._code: int | None = None
 
     def poll(self) -> int | None:
-        """`UNKNOWN` once it has ended; None while it lives."""
+        """Return `UNKNOWN` once it has ended; None while it runs."""
         if self._code is None and select.select([self._descriptor], [], [], 0)[0]:
             self._code = UNKNOWN
             os.close(self._descriptor)
         return self._code
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait until it has ended; `subprocess.TimeoutExpired` after so many seconds."""
+        """Wait until it has ended; raises `subprocess.TimeoutExpired` after `timeout` seconds."""
         if self.poll() is None:
             select.select([self._descriptor], [], [], timeout)
         if (code := self.poll()) is None:
@@ -70,7 +71,7 @@ class Adopted:
         return code
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, if it still lives."""
+        """Send it a signal if it still runs."""
         if self.poll() is None:
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self._descriptor, number)
@@ -78,31 +79,31 @@ class Adopted:
 
 @dataclass(slots=True)
 class Adoption:
-    """All that is known of an engine that has been taken over."""
+    """State of an adopted engine."""
 
     name: str
-    """Of the socket at which it was found."""
+    """Name of the socket at which it was found."""
     wire: Wire
     heart: Heartbeat
     process: Adopted
     descriptors: dict[str, int]
-    """Those of its others that this process has now: rendezvous; osc, sound, sound_peer if there are such."""
+    """Received descriptors: rendezvous, and osc, sound, sound_peer if they exist."""
     show: str
     facts: dict[str, Any]
     screen: dict[str, Any]
     unwritten: Unwritten
-    """What is to be written of the journal, once the engine says that it writes no more."""
+    """Journal lines to write once the engine has stopped writing."""
     snapshots_kept: int
     lines: list[str] = field(default_factory=list)
-    """The show so far, as `Log.since` tells it."""
+    """The show so far, as returned by `Log.since`."""
     early: list[str] = field(default_factory=list)
-    """What the engine has said since."""
+    """Lines that the engine has sent since."""
 
 
 def find_engine(label: str) -> Adoption | None:
-    """Take over the engine that dances alone; None if there is none. `label`: which show it is.
+    """Adopt the engine that runs without a supervisor; None if there is none. `label`: of the show.
 
-    CannotAdopt if there is one that cannot be had, EngineHung if there was one that had to be ended.
+    CannotAdopt if there is one that cannot be adopted, EngineHung if there was one that had to be killed.
     """
     with _sockets(f"{label}.") as paths:
         for name, path in paths.items():
@@ -112,7 +113,8 @@ def find_engine(label: str) -> Adoption | None:
 
 
 def end_engines(label: str) -> list[int]:
-    """Tell engines that dance alone to end, as a signal would; their numbers. `label`: how the names begin."""
+    """Ask engines without a supervisor to end, as a signal would; return their process numbers. `label`: prefix of the
+    names."""
     ended = []
     with _sockets(label) as paths:
         for path in paths.values():
@@ -131,7 +133,7 @@ def end_engines(label: str) -> list[int]:
 
 @contextlib.contextmanager
 def _sockets(begin: str) -> Iterator[dict[str, str]]:
-    """The sockets whose names begin so, with their paths; they hold within the context."""
+    """Yield the sockets whose names begin with `begin`, with paths that are valid within the context."""
     try:
         folder = own_folder()
     except OSError:
@@ -145,9 +147,9 @@ def _sockets(begin: str) -> Iterator[dict[str, str]]:
 
 
 def _reached(path: str) -> socket.socket | None:
-    """A connection; None where nobody listens any more, and then the name is forgotten.
+    """Return a connection; None if no process listens any more, in which case the name is removed.
 
-    TimeoutError where so many wait already that somebody listens, and never looks.
+    TimeoutError if the queue is full: a process listens but does not accept.
     """
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     sock.settimeout(ANSWERS_WITHIN)
@@ -189,28 +191,28 @@ def _ask(name: str, path: str) -> Adoption | None:
                 _end_if_hung(name, path, lambda: bool(select.select([sock], [], [], 0)[0]))
             return None
         sock.close()
-        if isinstance(error, OSError):  # who had the socket has ended
+        if isinstance(error, OSError):  # the engine has ended
             return None
-        raise CannotAdopt(f"what the engine says makes no sense: {error!r:.80}") from None
+        raise CannotAdopt(f"the engine's answer is not valid: {error!r:.80}") from None
     except BaseException:
         sock.close()
         raise
 
 
 def _end_if_hung(name: str, path: str, answers: Callable[[], bool]) -> None:
-    """EngineHung if it hung and has been ended; CannotAdopt if it is only slow; neither if it has ended by itself."""
+    """Watch the engine: EngineHung if it hung and was killed, CannotAdopt if it is slow; returns if it has ended."""
     killed = end_if_hung(name, answers)
     if killed:
         with contextlib.suppress(OSError):
             os.unlink(path)
         numbers = ", ".join(map(str, killed))
-        raise EngineHung(f"an engine (process {numbers}) danced without a supervisor and hung: it was ended")
+        raise EngineHung(f"an engine (process {numbers}) without a supervisor hung and was killed")
     if holders(name):
-        raise CannotAdopt("an engine that dances alone does not answer yet: try again")
+        raise CannotAdopt("an engine without a supervisor does not answer yet: try again")
 
 
 def _hello(sock: socket.socket) -> tuple[bytes, list[int]]:
-    """The first line with what came after it, and the descriptors; ConnectionError if nobody says anything."""
+    """Return the first line with any data after it, and the descriptors; ConnectionError if the engine has gone."""
     words, descriptors = b"", []
     deadline = time.monotonic() + ANSWERS_WITHIN
     while b"\n" not in words:

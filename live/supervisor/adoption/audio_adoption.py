@@ -1,7 +1,7 @@
-"""The process that listens or plays, when its supervisor has died: it goes on as long as an engine is there to hear it.
+"""Adoption of the audio process, which continues without its supervisor as long as an engine is connected.
 
-Engine and supervisor have the same end of its socket, so that whoever begins anew can reach it: it is given a new wire
-and a new heart, and says who it is.
+Engine and supervisor share one end of its socket, so a restarted supervisor can reach it: it sends a new channel and a
+new heartbeat, and the audio process answers with its process number.
 """
 
 import contextlib
@@ -19,11 +19,11 @@ from live.supervisor.process import Child, Starter
 from live.supervisor.supervisor_link import Lifeline
 
 ANSWERS_WITHIN: Final = 3.0
-"""Seconds; it looks five times a second."""
+"""Seconds for the answer; the process checks five times a second."""
 
 
 def adopt_sound(starter: Starter, sound: socket.socket) -> Child | None:
-    """The process that is at the other end of `sound`; None if nobody answers there: then another one is to begin."""
+    """Adopt the process at the other end of `sound`; None if there is no answer and another one is needed."""
     mine, theirs = socket.socketpair()
     heart = Heartbeat()
     try:
@@ -42,17 +42,17 @@ def adopt_sound(starter: Starter, sound: socket.socket) -> Child | None:
 
 
 class SoundLifeline:
-    """The lifeline of that process, and its end of the socket. Thread: its own."""
+    """Supervisor link of the audio process, and its end of the engine's socket. Thread: its own."""
 
     def __init__(self, sock: socket.socket, lifeline: Lifeline, *, round_s: float, largest: int) -> None:
-        """`round_s`: seconds that `orders` waits at most; `largest`: bytes of an order."""
+        """`round_s`: most seconds that `orders` waits; `largest`: most bytes of a command."""
         self._sock, self.lifeline = sock, lifeline
         self._round, self._largest = round_s, largest
         self.deserted = False
-        """Whether neither supervisor nor engine is there any more."""
+        """Whether both supervisor and engine have gone."""
 
     def orders(self) -> list[bytes]:
-        """What an engine has ordered, within a round."""
+        """Return the commands of the engine that arrive within a round."""
         wire = [] if self.lifeline.alone else [self.lifeline.wire.socket]
         ready, _, _ = select.select([self._sock, *wire], [], [], self._round)
         if wire:
@@ -74,12 +74,12 @@ class SoundLifeline:
         return [data] if data else []
 
     def _take(self, found: list[int]) -> None:
-        """Another supervisor is there."""
+        """Link to another supervisor."""
         self.lifeline = Lifeline.inherited(*found)
         process = os.pidfd_open(os.getpid())
         try:
             socket.send_fds(self.lifeline.wire.socket, [json.dumps({"pid": os.getpid()}).encode()], [process])
-        except OSError:  # it waited no longer: another process plays
+        except OSError:  # it has given up waiting and started another process
             self.deserted = True
         finally:
             os.close(process)

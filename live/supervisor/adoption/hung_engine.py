@@ -1,6 +1,6 @@
-"""Orphan: an engine that lost its supervisor and does not answer the next one. Once it hangs, it is ended.
+"""Detection and kill of a hung engine that has lost its supervisor and does not answer the next one.
 
-It has told nobody its number yet; the system knows who holds the socket at which it would be found.
+Its process number is not known yet, but the system knows which process holds its rendezvous socket.
 """
 
 import contextlib
@@ -16,15 +16,15 @@ from live.supervisor.restart_policy import CEILING
 from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
 
 ROUND: Final = 0.05
-"""Seconds between two looks."""
+"""Seconds between two checks."""
 READ_EVERY: Final = 0.5
-"""Seconds between two readings of the machine."""
+"""Seconds between two readings of the machine's load."""
 GONE_WITHIN: Final = 5.0
-"""Seconds in which a killed process is gone."""
+"""Seconds for a killed process to disappear."""
 
 
 def holders(name: str) -> list[int]:
-    """The processes of this user that hold the listening socket `name`, but for this one; one at most in a show."""
+    """Return the other processes of this user that hold the listening socket `name`; at most one in a show."""
     inodes = set(_inodes(name))
     return [int(pid) for pid in os.listdir("/proc") if pid.isdecimal() and inodes & set(_held(pid))] if inodes else []
 
@@ -50,9 +50,10 @@ def _held(pid: str) -> Iterator[str]:
 
 
 def end_if_hung(name: str, answers: Callable[[], bool]) -> list[int]:
-    """Watch who holds the socket `name` until it `answers`, has ended or hangs, and kill it then; who was killed.
+    """Watch the process that holds the socket `name` until it `answers`, has ended or hangs; kill it if it hangs.
 
-    Judged as a supervisor judges its own engine: seconds in which a process gets no processor are not its own.
+    Returns the numbers of killed processes. Uses the same watchdog as for a supervisor's own engine: time without a
+    processor does not count.
     """
     begin = time.monotonic()
     load, last_read = MachineLoad(ROUND), begin

@@ -1,7 +1,7 @@
-"""CutOff: a show of which no process is left goes on from its journal, in the measure in which it would be by now.
+"""Resuming of an interrupted show, of which no process is left, from its journal, in the measure it would be in by now.
 
-The journal's first line says where the show's clock began, on the machine's own clock: that holds until the machine is
-started anew. What is read is a file: lines are data to whoever runs them, and snapshots are checked before that.
+The journal's header holds the origin of the show's clock on the machine's clock, which is valid until the machine is
+restarted. Lines of the file are treated as data, and snapshots are checked before use.
 """
 
 import base64
@@ -16,28 +16,28 @@ from live.show.journal.journal_writer import SNAPSHOTS, Unwritten, Written, read
 from live.supervisor.recovery_log import CHANGES, Log
 
 WITHIN: Final = 300.0
-"""Seconds that a show may have been gone; after that it begins anew."""
+"""Longest interruption [s]; after that the show starts from the beginning."""
 LARGEST: Final = 1 << 30
-"""Bytes of a journal that is read."""
+"""Most bytes of a journal that is read."""
 END: Final = b'"end":true'
 
 
 @dataclass(frozen=True, slots=True)
 class CutOff:
-    """What is left of a show."""
+    """State of an interrupted show."""
 
     lines: list[str]
-    """The show so far, as `Log.since` tells it."""
+    """The show so far, as returned by `Log.since`."""
     unwritten: Unwritten
-    """How its journal is gone on with."""
+    """State for continuing its journal."""
     snapshots_kept: int
-    """Bytes of the file of snapshots that stay."""
+    """Bytes of the snapshot file that stay."""
     gone: float
-    """Since when it has been gone [s], at most."""
+    """Longest possible time since the interruption [s]."""
 
 
 def cut_off(path: Path) -> CutOff | None:
-    """What is left in the journal `path`; None if it was never begun, has ended, is too old or of another start."""
+    """Read the journal `path`; None if the show never began, has ended, is too old or predates the machine's start."""
     try:
         written = path.stat()
         if written.st_size > LARGEST or not _since_the_start(written.st_mtime):
@@ -63,7 +63,7 @@ def cut_off(path: Path) -> CutOff | None:
 
 
 def _since_the_start(written: float) -> bool:
-    """Whether something was written since this machine was started, and lately."""
+    """Return whether a file time is recent and after this machine's start."""
     now = time.time()
     return max(now - time.clock_gettime(time.CLOCK_BOOTTIME), now - WITHIN) < written
 
@@ -77,8 +77,8 @@ def _json(row: bytes) -> dict[str, Any]:
 
 
 def _last_snapshot(path: Path, rows: list[bytes], last: int) -> tuple[tuple[int, bytes] | None, int]:
-    """The last snapshot that whoever begins with the first line can read, with its tick, and where the whole ones
-    end."""
+    """Return the last snapshot readable with the header's patch and steps, with its tick, and the end of the intact
+    snapshots."""
     changed = next((row for row in rows if any(name.encode() in row for name in CHANGES)), b"")
     until = min(last, int(_json(changed).get("tick", last)) - bool(changed))
     problems: list[str] = []

@@ -1,8 +1,9 @@
-"""Rendezvous: where a supervisor that begins anew finds an engine that has lost its own, and what it is given there.
+"""Rendezvous: the socket at which a restarted supervisor finds an engine that has lost its own, and the hand-over.
 
-A socket that a supervisor listens at, in a folder of this user's alone. Every engine has it, too: while the supervisor
-lives it sends away whoever comes; once it is dead, the engine looks after each frame whether somebody came, and never
-waits. Only the same user is let in (SO_PEERCRED). The descriptors go along (SCM_RIGHTS), then the show so far.
+The supervisor listens at a socket in a private folder of this user. Every engine inherits the socket. While the
+supervisor lives, it refuses all connections. Once it is dead, the engine checks for connections after each frame,
+without waiting. Only the same user is accepted (SO_PEERCRED). The engine sends its descriptors (SCM_RIGHTS), then the
+show so far.
 """
 
 import contextlib
@@ -26,15 +27,15 @@ from live.supervisor.recovery_log import Log
 FOLDER: Final = "choreographics-live"
 ENDING: Final = ".sock"
 BACKLOG: Final = 4
-"""Who may wait, and be looked at, at once; others are sent away."""
+"""Most connections that wait or are checked at once; further ones are refused."""
 PATIENCE: Final = 5.0
-"""Seconds in which whoever comes has to say what it wants."""
+"""Seconds for a client to send its request."""
 LONGEST_WORD: Final = 4096
-"""Bytes of what it says."""
+"""Most bytes of a request."""
 
 
 def own_folder() -> int:
-    """A descriptor of the folder for such sockets; OSError if it cannot be made, or others can reach into it."""
+    """Return a descriptor of the folder for such sockets; OSError if it cannot be created or is not private."""
     base = os.environ.get("XDG_RUNTIME_DIR", "")
     known = os.path.isabs(base) and os.path.isdir(base)
     path = Path(base) / FOLDER if known else Path(tempfile.gettempdir()) / f"{FOLDER}-{os.getuid()}"
@@ -49,15 +50,15 @@ def own_folder() -> int:
 
 
 def in_folder(folder: int, name: str) -> str:
-    """The path of a file there; short, as addresses have to be, and the folder that was looked at whatever happens."""
+    """Return the path of a file in the folder: short, as socket addresses require, and independent of later renames."""
     return f"/proc/self/fd/{folder}/{name}"
 
 
 class Meeting:
-    """The supervisor's side: listens, and sends away whoever comes while it lives. Thread: the supervisor's."""
+    """The supervisor's side: listens and refuses all clients while it lives. Thread: the supervisor's."""
 
     def __init__(self, label: str) -> None:
-        """`label`: which show it is; OSError if nobody can listen there."""
+        """`label`: of the show; OSError if it cannot listen."""
         self.name = f"{label}.{os.getpid()}{ENDING}"
         folder = own_folder()
         try:
@@ -78,21 +79,21 @@ class Meeting:
 
     @classmethod
     def inherited(cls, descriptor: int, name: str) -> "Meeting":
-        """The one of the supervisor that was there before, which its engine had."""
+        """Make one from the socket of the previous supervisor, received from its engine."""
         meeting = cls.__new__(cls)
         meeting.name, meeting.socket = name, socket.socket(fileno=descriptor)
         meeting.socket.setblocking(False)
         return meeting
 
     def refuse(self) -> None:
-        """Somebody came: this show has a supervisor."""
+        """Refuse a client: this show has a supervisor."""
         with contextlib.suppress(OSError):
             sock, _ = self.socket.accept()
             with sock:
                 _answer(sock, alive="refused", why="it has a supervisor", supervised=True)
 
     def close(self) -> None:
-        """Listen no more: the show is over."""
+        """Stop listening and remove the socket: the show is over."""
         self.socket.close()
         with contextlib.suppress(OSError):
             folder = own_folder()
@@ -103,20 +104,21 @@ class Meeting:
 
 
 class Rendezvous:
-    """The engine's side, once it is alone. Thread: the show's; nothing waits."""
+    """The engine's side, without a supervisor. Thread: the show's; nothing waits."""
 
     def __init__(self, descriptor: int) -> None:
         self._socket = socket.socket(fileno=descriptor)
         self._guests: list[tuple[float, socket.socket, bytearray]] = []
         self.refused = 0
-        """Who was sent away: another user, or it made no sense."""
+        """Refused clients: other users or invalid requests."""
 
     def fileno(self) -> int:
-        """To be handed on."""
+        """Return the descriptor, to be handed on."""
         return self._socket.fileno()
 
     def look(self) -> socket.socket | None:
-        """The connection of a supervisor that asks for this engine, if one has. At most one comes in at each look."""
+        """Return the connection of a supervisor that asks for this engine, or None. Accepts at most one client per
+        call."""
         now = time.monotonic()
         with contextlib.suppress(OSError):
             sock, _ = self._socket.accept()
@@ -146,7 +148,7 @@ class Rendezvous:
         if told.get("alive") == "end":
             _answer(sock, alive="ends", pid=os.getpid())
             sock.close()
-            os.kill(os.getpid(), signal.SIGTERM)  # as if a person had: everything is closed in order
+            os.kill(os.getpid(), signal.SIGTERM)  # as if the person had sent it: everything is closed in order
         elif told.get("alive") != "adopt":
             self._send_away(sock)
         elif told.get("version") != __version__:
@@ -163,7 +165,7 @@ class Rendezvous:
 
 
 def same_user(sock: socket.socket) -> bool:
-    """Whether the other end is this user's, as the system says (SO_PEERCRED of unix(7): pid, uid, gid)."""
+    """Return whether the other end is a process of this user (SO_PEERCRED of unix(7): pid, uid, gid)."""
     size = struct.calcsize("iII")
     with contextlib.suppress(OSError, struct.error):
         _, uid, _ = struct.unpack("iII", sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size))
@@ -172,7 +174,7 @@ def same_user(sock: socket.socket) -> bool:
 
 
 def told_by(words: bytes) -> dict[str, Any]:
-    """What the first line says; nothing if it makes no sense."""
+    """Return the JSON object of the first line; empty if it is not valid."""
     with contextlib.suppress(ValueError, RecursionError):
         told = json.loads(words.partition(b"\n")[0])
         return told if isinstance(told, dict) else {}
@@ -180,7 +182,7 @@ def told_by(words: bytes) -> dict[str, Any]:
 
 
 def hand_over(sock: socket.socket, told: Mapping[str, Any], descriptors: Mapping[str, int]) -> bool:
-    """The engine says who it is, and gives its descriptors by their names; False if nobody is there any more."""
+    """Send the engine's identity and descriptors; return False if the supervisor has gone."""
     process = -1
     try:
         process = os.pidfd_open(os.getpid())
@@ -199,7 +201,7 @@ def hand_over(sock: socket.socket, told: Mapping[str, Any], descriptors: Mapping
 
 
 def tell_the_rest(wire: Wire, unwritten: Unwritten, kept: int, log: Log) -> None:
-    """The lines that are to be written, and those that a spare needs; from then on both ends count lines anew."""
+    """Send the lines to write and those that a spare needs; from then on both ends count lines from zero."""
     written = unwritten.written
     wire.tell(
         alive="unwritten", number=written.number, end=written.end, missing=written.missing, snapshots=kept,

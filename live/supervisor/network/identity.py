@@ -1,9 +1,9 @@
-"""Identity: this machine's key and certificate, and those of the machines that it is paired with.
+"""This machine's key and certificate, and the certificates of the machines it is paired with.
 
-All of it lies in `network/` of the user's config folder (`LIVE_CONFIG_DIR` overrides where that is), mode 700, its
-files 600: who can read the key is this machine, so a key that others can read is refused. A certificate is signed by
-itself; no authority says who anybody is, and what counts is that the very certificate was seen at the pairing (a pin,
-as RFC 7858 section 4.2 has it). Its name is random, so that OpenSSL, which finds certificates by name, finds one.
+They lie in `network/` of the user's config folder (`LIVE_CONFIG_DIR` overrides its place), mode 700, files 600. A
+process that can read the key can act as this machine, so a key that others can read is refused. Certificates are
+self-signed. There is no authority: a peer is accepted if its certificate is the one received at the pairing (a pin, as
+in RFC 7858 section 4.2). Its name is random, because OpenSSL finds certificates by name and must find only one.
 """
 
 import contextlib
@@ -27,9 +27,9 @@ from cryptography.x509.oid import NameOID
 from live.base.errors import PersonError
 
 VALID: Final = datetime.timedelta(days=3 * 365)
-"""How long a certificate is valid. One that has expired is told of and goes on being taken: see `tls`."""
+"""Validity of a certificate. An expired one is reported but still accepted: see `tls`."""
 SINCE: Final = datetime.timedelta(days=1)
-"""A machine whose clock is so far behind finds it valid, too."""
+"""Certificates are valid from this long ago, for machines whose clock is behind."""
 KEY_FILE: Final = "identity.pem"
 PEERS: Final = "paired"
 LONGEST_FILE: Final = 64 * 1024
@@ -38,25 +38,25 @@ _NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 def network_folder() -> Path:
-    """Where keys and pairings lie."""
+    """Return the folder of keys and pairings."""
     root = os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live")
     return Path(root) / "network"
 
 
 def plain_name(name: str) -> str:
-    """A machine's name as it may be a file's: letters, digits, `.`, `_` and `-`."""
+    """Return a machine's name reduced to characters safe in a file name: letters, digits, `.`, `_` and `-`."""
     words = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-._")[:LONGEST_NAME]
     return words or "machine"
 
 
 def fingerprint_of(certificate: bytes) -> str:
-    """SHA-256 of a certificate (DER), as hexadecimal digits."""
+    """Return the SHA-256 of a certificate (DER), as hexadecimal digits."""
     return hashlib.sha256(certificate).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """A machine that may take part."""
+    """A paired machine."""
 
     name: str
     certificate: bytes
@@ -69,11 +69,11 @@ class Peer:
 
     @property
     def expires(self) -> datetime.datetime:
-        """When its certificate does."""
+        """When its certificate expires."""
         return x509.load_der_x509_certificate(self.certificate).not_valid_after_utc
 
     def signed(self, signature: bytes, data: bytes) -> bool:
-        """Whether it signed the data."""
+        """Return whether it signed the data."""
         key = x509.load_der_x509_certificate(self.certificate).public_key()
         if not isinstance(key, Ed25519PublicKey):
             return False
@@ -86,10 +86,10 @@ class Peer:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """This machine."""
+    """This machine's key and certificate."""
 
     path: Path
-    """The file with key and certificate, as `ssl` reads them."""
+    """File with key and certificate, as `ssl` reads them."""
     certificate: bytes
     """DER."""
     _key: Ed25519PrivateKey
@@ -100,16 +100,16 @@ class Identity:
         return fingerprint_of(self.certificate)
 
     def sign(self, data: bytes) -> bytes:
-        """64 bytes that only this machine can make of the data (Ed25519, RFC 8032)."""
+        """Return the signature of the data: 64 bytes (Ed25519, RFC 8032)."""
         return self._key.sign(data)
 
     def as_peer(self) -> Peer:
-        """As others see it: a process of the same user on the same machine has the same key."""
+        """Return this machine as a peer: a process of the same user on the same machine has the same key."""
         return Peer("this machine", self.certificate)
 
 
 def load_identity(folder: Path | None = None) -> Identity:
-    """This machine's key, made at the first time. PersonError where it cannot be made, read, or kept to oneself."""
+    """Load this machine's key; created on first use. PersonError if it cannot be created, read or kept private."""
     folder = folder or network_folder()
     path = folder / KEY_FILE
     try:
@@ -127,12 +127,12 @@ def load_identity(folder: Path | None = None) -> Identity:
     except (ValueError, TypeError):
         pass
     raise PersonError(
-        f"{path} does not hold this machine's key and certificate", "remove it, and pair the machines anew"
+        f"{path} does not hold this machine's key and certificate", "remove it, and pair the machines again"
     )
 
 
 def renew_identity(folder: Path | None = None) -> Identity:
-    """Another key and certificate; whoever was paired has to be paired anew."""
+    """Replace key and certificate; every machine has to be paired again."""
     folder = folder or network_folder()
     with contextlib.suppress(OSError):
         (folder / KEY_FILE).unlink(missing_ok=True)
@@ -140,7 +140,7 @@ def renew_identity(folder: Path | None = None) -> Identity:
 
 
 def _make(path: Path) -> None:
-    """Make key and certificate, whole or not at all; whoever comes first at it wins."""
+    """Create key and certificate atomically; if two processes do so, the first one wins."""
     key = Ed25519PrivateKey.generate()
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"choreographics-live {secrets.token_hex(8)}")])
     now = datetime.datetime.now(datetime.UTC)
@@ -157,14 +157,14 @@ def _make(path: Path) -> None:
 
 
 class Pairings:
-    """The machines that this one is paired with, one file each. Thread: one."""
+    """Machines that this one is paired with, one file each. Thread: one."""
 
     def __init__(self, folder: Path | None = None) -> None:
-        """Nothing is read yet."""
+        """Reads nothing yet."""
         self._folder = (folder or network_folder()) / PEERS
 
     def changed(self) -> object:
-        """Something that is another thing once a machine has been paired or forgotten."""
+        """Return a value that differs once a pairing has been added or removed."""
         found = []
         with contextlib.suppress(OSError):
             for entry in os.scandir(self._folder):
@@ -173,7 +173,7 @@ class Pairings:
         return sorted(found)
 
     def read(self) -> list[Peer]:
-        """All of them, by name. PersonError for a file that is none of ours, or that others may write."""
+        """Return all paired machines, sorted by name. PersonError for a file that is no certificate or not private."""
         found = []
         for path in sorted(self._folder.glob("*.pem"), key=lambda path: path.stem):
             try:
@@ -188,9 +188,9 @@ class Pairings:
         return found
 
     def add(self, name: str, certificate: bytes) -> Peer:
-        """Pair with a machine; its name is made plain, and another one's is not taken. PersonError if it cannot be.
+        """Store the pairing with a machine, under a safe name that is free. PersonError if it cannot be stored.
 
-        ValueError for what is no certificate with an Ed25519 key.
+        ValueError if it is not a certificate with an Ed25519 key.
         """
         parsed = x509.load_der_x509_certificate(certificate)
         if not isinstance(parsed.public_key(), Ed25519PublicKey):
@@ -212,7 +212,7 @@ class Pairings:
         return Peer(free, certificate)
 
     def forget(self, name: str) -> bool:
-        """Whether there was a machine of that name; it may not take part any more."""
+        """Remove a paired machine; return whether there was one of that name."""
         path = self._folder / f"{name}.pem"
         if _NAME.fullmatch(name) is None or not path.exists():
             return False
@@ -224,7 +224,7 @@ class Pairings:
 
 
 def _own_folder(folder: Path) -> None:
-    """See that a folder is there, and nobody else's to look into."""
+    """Create a folder if needed and make sure that no other user has access."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     _refuse_others(folder, 0o077, "chmod 700")
 

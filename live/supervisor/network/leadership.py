@@ -28,14 +28,12 @@ PULSE: Final = 0.1
 """Seconds between two pulses."""
 SILENCE: Final = 1.5
 """Seconds of silence after which a deputy takes its leader for dead. A supervisor that merely shares its processor is
-late by tenths of a second.
-"""
+late by tenths of a second."""
 RETURN: Final = 2.2
 """The same for a machine that led before and is not ready yet: it knows the show, but others may have a newer state."""
 HAND_OVER: Final = 2.6
 """Seconds without a running engine after which a leader hands over. A spare engine takes over within 0.3 s of a death,
-and within 2.5 s of a hang on a quiet machine.
-"""
+and within 2.5 s of a hang on a quiet machine."""
 FRESH: Final = 0.5
 """Greatest age of a follower's last message for a hand-over [s]."""
 LOST: Final = 3.0

@@ -123,7 +123,7 @@ class Shown:
                 ssl_shutdown_timeout=1.0, limit=LONGEST, backlog=AT_ONCE,
             )  # fmt: skip
         except OSError as error:
-            raise PersonError(f"cannot listen for pairing at port {port}: {error.strerror}", "choose another port") from None
+            raise PersonError(f"cannot listen at port {port}: {error.strerror}", "choose another port") from None
         self.listening(server.sockets[0].getsockname()[1])
         try:
             return await asyncio.wait_for(self._found, within)
@@ -207,7 +207,7 @@ async def pair_with(
         raise PersonError(f"no machine waits for pairing at {host}:{port}: {why}", "live pair there") from None
     except Refused:
         raise PersonError(
-            f"the answer from {host}:{port} is not from a machine that waits for pairing, or the connection is intercepted"
+            f"the machine at {host}:{port} does not wait for pairing, or the connection is intercepted"
         ) from None
 
 

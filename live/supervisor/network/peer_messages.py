@@ -48,8 +48,7 @@ class GiveShow:
 
 @dataclass(frozen=True, slots=True)
 class ShowComes:
-    """Announces that the following lines are of that stream, from `number`; `anew`: from its start, as far as needed.
-    """
+    """Announces that the following lines are of that stream, from `number`; `anew`: from its start."""
 
     stream: str
     number: int

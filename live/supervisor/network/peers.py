@@ -1,8 +1,7 @@
-"""Peers: the links to other machines: who knocks, who is reached out to, and who of them may take part.
+"""Links to other machines: incoming and outgoing connections, handshakes and the check of pairings.
 
-Nobody waits for anybody: a handshake is a few steps of the supervisor's turns, names and addresses are looked up by a
-thread. Strangers are counted and dropped, and get no word; how many may knock at a time, and for how long, is
-bounded.
+Nothing blocks: a handshake advances a step in each turn of the supervisor, and a thread resolves names and connects.
+Unpaired machines are counted and dropped without an answer; the number and duration of handshakes are limited.
 """
 
 import contextlib
@@ -22,70 +21,70 @@ from live.supervisor.network.tls import HANDSHAKE_WITHIN, Handshake, SecureWire,
 from live.supervisor.process import Starter
 
 AGAIN: Final = 0.5
-"""Seconds between two attempts to reach a machine."""
+"""Seconds between two attempts to connect to a machine."""
 ANSWERS_WITHIN: Final = 1.0
-"""Seconds within which a machine answers a call, or is called again: one that was cut off is reached soon after."""
+"""Seconds after which an attempt to connect is given up; short, so that a broken link is restored soon."""
 MOST: Final = 8
-"""Links."""
+"""Most links."""
 KNOCKING: Final = 8
-"""Handshakes at a time; with more of them the oldest is given up."""
+"""Most incoming handshakes at a time; beyond that the oldest is given up."""
 ACCEPT_EVERY: Final = 0.02
-"""Seconds between two that are let in to shake hands: a flood of them costs 50 handshakes a second and no more."""
+"""Seconds between two accepted connections: a flood costs at most 50 handshakes a second."""
 BACKLOG: Final = 24 * 1024 * 1024
-"""Bytes that may wait for a machine; one that reads so slowly is dropped, and comes again."""
+"""Most bytes waiting to be sent to a machine; one that reads more slowly is dropped and may reconnect."""
 LONGEST: Final = 16 * 1024 * 1024
-"""Bytes of a line that another machine says: a snapshot of a large show has a few."""
+"""Most bytes of a line from another machine: a snapshot of a large show has a few million."""
 LOOK_EVERY: Final = 1.0
-"""Seconds between two looks whether a machine was paired or forgotten."""
+"""Seconds between two checks for changed pairings."""
 
 
 @dataclass(eq=False)
 class Link:
-    """A connection to a machine that may take part."""
+    """A connection to a paired machine."""
 
     name: str
-    """As no other link is called."""
+    """Unique name of the link."""
     wire: SecureWire
     upstream: bool
-    """Whether this machine reached out to that one."""
+    """Whether this machine opened the connection."""
     challenge: bytes = field(default_factory=lambda: secrets.token_bytes(32))
-    """What that one has to sign."""
+    """Challenge that the peer has to sign."""
     theirs: bytes | None = None
-    """What this one has to; None before it said hello."""
+    """Challenge that this machine has to sign; None before the peer's hello."""
     me: str = ""
-    """Who it is, as no other process."""
+    """Unique name of the peer's process."""
     number: int = 0
-    """Of the last claim that was sent to it."""
+    """Number of the last claim sent to the peer."""
     heard: int = 0
-    """Of the last claim that it sent."""
+    """Number of the last claim received from the peer."""
     takes_show: bool = False
 
     @property
     def peer(self) -> Peer:
-        """Which machine."""
+        """The machine at the other end."""
         return self.wire.peer
 
 
 class Peers:
-    """All links. Thread: the supervisor's."""
+    """All links to other machines. Thread: the supervisor's."""
 
     def __init__(
         self, starter: Starter, identity: Identity, pairings: Pairings, *, door: socket.socket | None,
         upstream: tuple[str, int] | None, say: Callable[[str], None],
     ) -> None:  # fmt: skip
-        """`door`: where others reach this machine, `upstream`: whom this one is to reach. PersonError for pairings that
-        cannot be read."""
+        """`door`: socket that listens for other machines; `upstream`: the machine to connect to. PersonError for
+        pairings that cannot be read."""
         self.identity = identity
         self.links: dict[str, Link] = {}
         self.strangers = 0
-        """Who knocked and may not take part."""
+        """Connections that failed the handshake or are not paired."""
         self.expired = ""
         """Machines whose certificates have expired."""
         self.on_link: Callable[[Link], None] = lambda link: None
         self.on_line: Callable[[Link, str], None] = lambda link, line: None
         self.on_end: Callable[[Link], None] = lambda link: None
         self.on_nobody: Callable[[], None] = lambda: None
-        """The machine that is reached out to says that nobody is there."""
+        """Called when the upstream machine refuses the connection: no supervisor runs there."""
         self._starter, self._say = starter, say
         self._trust = Trust(identity, pairings)
         self._door, self._upstream = door, upstream
@@ -98,7 +97,7 @@ class Peers:
             door.setblocking(False)
 
     def look(self, now: float) -> None:
-        """Let in, reach out, and send what waits."""
+        """Accept, connect, advance handshakes, send pending data and drop broken links."""
         self._accept(now)
         self._reach(now)
         for handshake, upstream in list(self._handshakes):
@@ -118,18 +117,18 @@ class Peers:
                     self.drop(link)
 
     def drop(self, link: Link) -> None:
-        """End a link; harmless if it has ended."""
+        """Close a link; harmless if it is closed already."""
         self._starter.forget(link.wire)
         if link.wire.refused:
-            self._tell_once(f"{link.peer.name} does not know this machine: pair the two anew with live pair")
+            self._tell_once(f"{link.peer.name} does not know this machine: pair the two again with live pair")
         link.wire.close()
         if self.links.pop(link.name, None) is not None:
             if link.upstream:
-                self._call_at = 0.0  # perhaps it was the wire
+                self._call_at = 0.0  # perhaps only the connection broke: reconnect at once
             self.on_end(link)
 
     def close(self, parting: float = 0.0) -> None:
-        """End all of them; within `parting` seconds they read what was said last."""
+        """Close all links; waits up to `parting` seconds for peers to read the last lines."""
         until = time.monotonic() + parting
         for link in self.links.values():
             self._starter.forget(link.wire)
@@ -140,7 +139,7 @@ class Peers:
             self._door.close()
 
     def _look_at_dates(self) -> None:
-        """Tell of certificates that have expired: that ends nothing, for they are pinned."""
+        """Report expired certificates. They stay in use, because they are pinned."""
         today = datetime.datetime.now(datetime.UTC)
         there = [self.identity.as_peer(), *(link.peer for link in self.links.values())]
         found = [peer for peer in there if peer.expires < today]
@@ -148,7 +147,7 @@ class Peers:
         for peer in found:
             self._tell_once(
                 f"the certificate of {peer.name} expired on {peer.expires:%Y-%m-%d}: the show goes on with it; pair "
-                "the machines anew when it is over (live pair)"
+                "the machines again when it is over (live pair)"
             )
 
     def _accept(self, now: float) -> None:
@@ -193,7 +192,7 @@ class Peers:
         peer = self._trust.of(handshake.socket)
         if peer is None:
             handshake.socket.close()
-            self._stranger("a certificate that is not paired with", upstream)
+            self._stranger("its certificate is not paired", upstream)
             return
         self._count += 1
         wire = SecureWire(handshake.socket, peer, backlog=BACKLOG, longest=LONGEST)
@@ -220,8 +219,7 @@ class Peers:
 
 
 class Call:
-    """Reaches out to an address in a thread of its own, for looking up its name may take seconds. Thread: one, beside
-    that."""
+    """Connects to an address in its own thread, because resolving its name may take seconds. Thread: one."""
 
     def __init__(self, host: str, port: int) -> None:
         self._to = host, port
@@ -231,27 +229,27 @@ class Call:
 
     @property
     def running(self) -> bool:
-        """Whether an attempt is under way."""
+        """Whether an attempt is in progress."""
         return self._thread is not None
 
     @property
     def done(self) -> bool:
-        """Whether there is an answer to be taken."""
+        """Whether an attempt has finished and its result is pending."""
         return self._thread is not None and not self._thread.is_alive()
 
     def start(self) -> None:
-        """Begin an attempt."""
+        """Start an attempt."""
         self._found, self._refused = None, False
         self._thread = threading.Thread(target=self._run, name="call", daemon=True)
         self._thread.start()
 
     def take(self) -> tuple[socket.socket | None, bool]:
-        """The connection, if there is one; and whether the machine says that nobody is there."""
+        """Return the connection, if there is one, and whether the machine refused it. Resets the attempt."""
         self._thread = None
         return self._found, self._refused
 
     def _run(self) -> None:
-        run_once(f"the call of {self._to[0]}", self._reach)  # a name may be none that can be looked up
+        run_once(f"the call of {self._to[0]}", self._reach)  # names may raise any error
 
     def _reach(self) -> None:
         try:

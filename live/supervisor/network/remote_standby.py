@@ -1,8 +1,8 @@
-"""Remote: other machines. They follow the leader's lines over TLS, and one of them takes over when it dies.
+"""Standby on other machines: they follow the leader's lines over TLS, and one of them takes over when it dies.
 
-`leadership` decides who leads, `peers` holds the links, `peer_messages` what is said on them; here those are joined
-to the engines of this machine. A show's lines are numbered within a *stream* (what one machine leads, from its first
-line on), so that who lost a wire goes on where it was.
+`leadership` decides who leads, `peers` holds the links, and `peer_messages` defines the messages; this module connects
+them to the engines of this machine. A show's lines are numbered within a *stream* (all lines of one leader), so that a
+machine whose link broke resumes where it was.
 """
 
 import os
@@ -37,28 +37,28 @@ from live.supervisor.process import ROUND, Starter
 from live.supervisor.supervisor_config import Orders, Report
 
 LONGEST_WHY: Final = 400
-"""Characters of a reason that another machine gives."""
+"""Most characters of a reason from another machine."""
 PARTING: Final = 2.0
-"""Seconds in which a machine that cannot stand by waits at its end until the other one has read why."""
+"""Seconds for which a machine that cannot stand by waits at its end until the leader has read the reason."""
 TURN: Final = 2.5 * ROUND
-"""A turn counts for so many seconds at most: in a longer one this process did not run, and could not listen."""
+"""Longest turn that counts [s]: in a longer one this process did not run and could not listen."""
 BEATS_WITHIN: Final = 1.0
-"""Seconds since its last beat within which an engine that follows is ready."""
+"""Greatest age of its last heartbeat for an engine that follows to be ready [s]."""
 RECENT: Final = 8 * 1024 * 1024
-"""Bytes of the last lines that are kept for who lost its wire, ..."""
+"""Most bytes of recent lines that are kept for machines that reconnect, ..."""
 RECENT_LINES: Final = 8192
-"""... and how many lines: a minute of them."""
+"""... and most lines: about a minute."""
 MOST_TICKS: Final = 64 * 600
-"""A line this far ahead of all before it is none of a show that runs: ten minutes."""
+"""Lines farther ahead of all before are refused: ten minutes."""
 LATEST_TICK: Final = 64 * 86400 * 30
 MOST_OF_SHOW: Final = 64 * 1024 * 1024
-"""Bytes of a show's lines since its last snapshot that are taken from another machine."""
+"""Most bytes of lines since the last snapshot that are accepted from another machine."""
 LINE_COSTS: Final = 200
-"""Bytes that a line needs beside its letters."""
+"""Bytes of memory per line besides its text."""
 
 
 class Remote:
-    """Both sides of it; a machine without either does nothing here. Thread: the supervisor's."""
+    """Leader and standby side; without either it does nothing. Thread: the supervisor's."""
 
     def __init__(
         self, orders: Orders, starter: Starter, engines: Engines, report: Report, say: Callable[[str], None]
@@ -68,7 +68,7 @@ class Remote:
         self._before: float | None = None
         self._delayed = run_delay()
         self._commanded = self._parting = False
-        self._ready: object = None  # the engine that said that it is
+        self._ready: object = None  # the engine that reported itself ready
         self._danced: float | None = None
         self._stream, self._number = secrets.token_hex(8), 0
         self._recent: deque[str] = deque()
@@ -94,7 +94,7 @@ class Remote:
         signal.signal(signal.SIGUSR1, self._command)
 
     def look(self, now: float) -> None:
-        """Send what waits, reach who is to be reached, and judge the silence."""
+        """Update links and leadership, and act on the result."""
         if self._peers is None:
             return
         turn = min(now - (now if self._before is None else self._before), TURN)
@@ -102,7 +102,7 @@ class Remote:
         self._before, self._now, self._delayed, waited = now, now, delay, delay - self._delayed
         self._peers.look(now)
         if self._engines.code is not None:
-            return  # the show is over; only what waits is sent
+            return  # the show is over; only pending data is sent
         if self._commanded:
             self._commanded = False
             self.take_over("on command")
@@ -119,20 +119,20 @@ class Remote:
         )
 
     def take_over(self, why: str) -> None:
-        """Lead from now on, if this machine stands by and knows the show."""
+        """Take over, if this machine stands by and has received a show."""
         if self._peers is None or self._lead.leads:
             return
         if not self._engines.log.header:
-            self._say("this machine cannot take over: it has not heard of a show yet")
+            self._say("this machine cannot take over: it has not received a show yet")
             return
         self._act(self._lead.take_over(why))
 
     def told_following(self, ready: bool) -> None:
-        """The engine says whether it could go on with the show now."""
+        """Record whether the engine could resume the show now."""
         self._ready = self._engines.engine if ready else None
 
     def pass_on(self, line: str) -> None:
-        """A line of the show, to all who follow."""
+        """Send a line of the show to all followers."""
         if self._peers is None or self._report.fenced:
             return
         self._number += 1
@@ -145,21 +145,21 @@ class Remote:
                 link.wire.put(line)
 
     def cannot(self, why: str) -> None:
-        """This machine cannot stand by: let the one that leads hear it as well."""
+        """Report to the leader that this machine cannot stand by."""
         leader = self._leader()
         if leader is not None:
             leader.wire.put(line_of(Cannot(why)))
             self._parting = True
 
     def close(self) -> None:
-        """Close all that is open."""
+        """Close all links."""
         if self._peers is not None:
             self._peers.close(PARTING if self._parting else 0.0)
 
     def _command(self, _number: int, _frame: object) -> None:
         self._commanded = True
 
-    # -- what it is decided by -------------------------------------------------------------------------------------
+    # -- inputs of the decision ------------------------------------------------------------------------------------
 
     def _leader(self) -> Link | None:
         return None if self._peers is None else self._peers.links.get(self._lead.leader or "")
@@ -173,7 +173,7 @@ class Remote:
         )  # fmt: skip
 
     def _idle(self, now: float) -> float | None:
-        """Seconds for which nobody has danced here; None before anybody has."""
+        """Return the seconds since an engine last ran here; None before the first one."""
         engine = self._engines.engine
         if engine is not None and engine.phase is Phase.RUNNING and self._engines.since is not None:
             self._danced = max(self._danced or 0.0, engine.heart.last)
@@ -181,7 +181,7 @@ class Remote:
             self._danced = now  # the show ends
         return None if self._danced is None else max(0.0, now - self._danced)
 
-    # -- what was decided ------------------------------------------------------------------------------------------
+    # -- actions ---------------------------------------------------------------------------------------------------
 
     def _act(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -235,7 +235,7 @@ class Remote:
         link.takes_show = False
         link.wire.put(line_of(GiveShow(self._theirs or "-", self._their_number)))
 
-    # -- what is heard ---------------------------------------------------------------------------------------------
+    # -- received messages -----------------------------------------------------------------------------------------
 
     def _greet(self, link: Link) -> None:
         link.wire.put(line_of(Hello(__version__, self._lead.me, link.challenge)))
@@ -264,13 +264,13 @@ class Remote:
         elif isinstance(message, ShowComes):
             self._show_comes(link, message)
         elif isinstance(message, Cannot):
-            self._say(f"a machine that wanted to stand by cannot: {one_line(message.why)}")
+            self._say(f"another machine cannot stand by: {one_line(message.why)}")
             self._drop(link)
         elif (decided := message_of(message)) is not None:
             self._act(self._lead.heard(link.name, decided, self._now))
 
     def _refuse(self, link: Link) -> None:
-        """What makes no sense is counted, and who says it is heard no more."""
+        """Count an invalid message and drop its sender."""
         self._report.lines_refused += 1
         self._drop(link)
 
@@ -294,7 +294,7 @@ class Remote:
                 self._drop(link)
             return
         for other in [other for other in self._peers.links.values() if other.me == hello.me]:
-            self._drop(other)  # it has lost that wire, and this machine has not noticed yet
+            self._drop(other)  # a broken link that this machine has not noticed yet
         link.theirs, link.me = hello.challenge, hello.me
         self._act(self._lead.joined(link.name, self._now, upstream=link.upstream))
 
@@ -311,7 +311,7 @@ class Remote:
     # -- the show --------------------------------------------------------------------------------------------------
 
     def _give_show(self, link: Link, wanted: GiveShow) -> None:
-        """Let a machine follow: from where it was, if it has lost but a wire, else from the last snapshot on."""
+        """Let a machine follow: from where it was after a short break of its link, else from the last snapshot."""
         link.takes_show = True
         first = self._number - len(self._recent)
         anew = wanted.stream != self._stream or not first <= wanted.number <= self._number
@@ -332,8 +332,7 @@ class Remote:
         self._theirs, self._their_number, self._from = told.stream, told.number, link.name
 
     def _begin_anew(self) -> None:
-        """Follow a show from its first line on, whatever was danced here until now; whoever follows this machine does
-        so, too."""
+        """Follow another show from its first line; followers of this machine do so, too."""
         if self._engines.log.header or self._engines.role != "standby":
             self._engines.stand_by()
         report = self._report
@@ -350,13 +349,13 @@ class Remote:
         if link is not self._leader() or link.name != self._from:
             if not told:
                 self._refuse(link)
-            return  # what an old leader still says is the past
+            return  # late lines of a former leader
         if not self._is_of_show(told):
             self._report.lines_refused += 1
             return
         self._taken = len(line) if "snapshot" in told else self._taken + len(line) + LINE_COSTS
         if self._taken > MOST_OF_SHOW:
-            self._say(f"{link.peer.name} says more than a show has to say: it is not followed any more")
+            self._say(f"{link.peer.name} sends more data than a show can have: it is not followed any more")
             self._refuse(link)
             return
         self._their_number += 1
@@ -371,7 +370,7 @@ class Remote:
             self._engines.engine.wire.put(line)
 
     def _is_of_show(self, told: dict[str, Any]) -> bool:
-        """Whether a line can be one of the show that is followed."""
+        """Return whether a line can belong to the followed show."""
         if "journal" in told:
             return True
         tick = told.get("tick")
@@ -387,7 +386,8 @@ class Remote:
 
 
 def run_delay() -> float:
-    """Seconds that this process has waited for a processor, where the kernel counts that (schedstat of proc(5))."""
+    """Return the seconds this process has waited for a processor; 0 if the kernel does not count them (schedstat of
+    proc(5))."""
     try:
         with open(f"/proc/{os.getpid()}/schedstat", encoding="ascii") as file:
             return int(file.read().split()[1]) / 1e9
@@ -396,5 +396,5 @@ def run_delay() -> float:
 
 
 def one_line(words: object) -> str:
-    """What another machine says, as one short line that does nothing to a terminal."""
+    """Return text of another machine as one short line without control characters."""
     return "".join(mark if mark.isprintable() else " " for mark in str(words)[:LONGEST_WHY])

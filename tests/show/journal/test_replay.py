@@ -315,4 +315,4 @@ def test_a_full_disk_is_told_to_the_operator_in_words_that_do_not_flicker():
     assert len(told) == 11
     assert all("could not be written" in words for words in told)
     sink.facts = lambda: {"dropped": 0, "behind": 5000}
-    assert writer.problem == "journal: the disk is 4096 and more lines behind"
+    assert writer.problem == "journal: the disk is 4096 or more lines behind"

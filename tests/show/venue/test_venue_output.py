@@ -52,14 +52,14 @@ def test_an_output_that_says_nothing_is_plain():
         ("mesh = [[[0, 0], [1, 0]], [[1, 1], [0, 1]]]", "folds over at row 1, column 1"),
         ("crop = [0.5, 0, 0.6, 1]", "output.1.crop: x, y, width, height"),
         ("crop = [0, 0, 0, 1]", "output.1.crop"),
-        ('mask = "../secret.png"', "a file beside the venue's"),
-        ('mask = "/etc/passwd"', "a file beside the venue's"),
+        ('mask = "../secret.png"', "a file in the venue's folder"),
+        ('mask = "/etc/passwd"', "a file in the venue's folder"),
         ("rotation = 45", "0, 90, 180 or 270, found 45"),
         ("soft_edge = { left = 0.2, rigt = 0.2 }", "did you mean 'right'"),
         ("soft_edge = { left = 0.7 }", "output.1.soft_edge.left"),
         ("brightness = 2", "output.1.brightness"),
         ('name = "*"', "not \\* alone"),
-        ('name = "A"\n[[output]]\nname = "a"', "line 5: output.2.name: another output is called 'a'"),
+        ('name = "A"\n[[output]]\nname = "a"', "line 5: output.2.name: another output has the name 'a'"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(text, words):
