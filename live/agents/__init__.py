@@ -1,4 +1,4 @@
-"""Agents are the dancers as points on the floor: what they want, how they are steered, and one fixed tick for all.
+"""Agents: dancers as points on the floor, their goals, steering behaviours and the fixed simulation tick.
 
-It may import `motion`, `clock` and `base`.
+This package may import `motion`, `clock` and `base`.
 """

@@ -1,7 +1,7 @@
-"""Wants: what every agent is asked to do at a tick; choreography writes it, steering makes it safe (T080, T083).
+"""Per-agent steering commands: preferred velocity, speed limit and neighbour weights for one tick (T080, T083).
 
-Reynolds' action selection ends here: elements and evolutions have said what they want of each agent, as a desired
-velocity and as weights of what an agent does with her neighbours; `Advance` turns that into motion without collisions.
+Choreography (elements and evolutions) writes the commands; this is Reynolds' action selection. `Advance` turns them
+into collision-free motion.
 """
 
 from typing import Final
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 Float32 = npt.NDArray[np.float32]
 
-# columns of Wants.rows, for the kernels
+# columns of Wants.rows, used by the kernels
 VX: Final = 0
 VZ: Final = 1
 SPEED: Final = 2
@@ -23,15 +23,15 @@ PRESENCE: Final = 7
 WANT_COLUMNS: Final = 8
 
 ABSENT: Final = 0.0
-"""Not on the stage: does not move, and nobody sees her."""
+"""Not on the stage: the agent does not move and is not drawn."""
 ON_STAGE: Final = 1.0
-"""The stage edges keep her in."""
+"""The agent is kept within the stage edges."""
 PASSING: Final = 2.0
-"""She enters or leaves through wings or a gate: the stage edges let her pass."""
+"""The agent enters or leaves through wings or a gate and may cross the stage edges."""
 
 
 class Wants:
-    """What A agents are asked to do now; the arrays are views of `rows` (A, 8), which the kernels take."""
+    """Steering commands of A agents; all array properties are views of `rows` (A, 8), which the kernels read."""
 
     def __init__(self, agent_count: int) -> None:
         self.rows: Float32 = np.zeros((agent_count, WANT_COLUMNS), np.float32)
@@ -43,35 +43,37 @@ class Wants:
 
     @property
     def velocity(self) -> Float32:
-        """Desired velocity [m/s], shape (A, 2); longer than `speed` means as fast as she may."""
+        """Preferred velocity [m/s], shape (A, 2); clamped to `speed`."""
         return self.rows[:, VX : VZ + 1]
 
     @property
     def speed(self) -> Float32:
-        """Top speed now [m/s], shape (A,)."""
+        """Current speed limit [m/s], shape (A,)."""
         return self.rows[:, SPEED]
 
     @property
     def separation(self) -> Float32:
-        """Distance between centres [m] under which neighbours push each other away, shape (A,); 0: never."""
+        """Distance between centres [m] below which neighbours repel each other, shape (A,); 0 disables it."""
         return self.rows[:, SEPARATION]
 
     @property
     def alignment(self) -> Float32:
-        """Weight of going where the neighbours go, shape (A,); 0: not at all, 1: as much as everything else."""
+        """Weight of matching the neighbours' velocity, shape (A,); 0 disables it, 1 equals all other behaviours
+        together.
+        """
         return self.rows[:, ALIGNMENT]
 
     @property
     def cohesion(self) -> Float32:
-        """Weight of going to the middle of the neighbours, shape (A,)."""
+        """Weight of moving to the neighbours' centre, shape (A,)."""
         return self.rows[:, COHESION]
 
     @property
     def firm(self) -> Float32:
-        """0 to 1, shape (A,): how strictly the desired velocity is to be kept.
+        """Strictness of the preferred velocity, 0 to 1, shape (A,).
 
-        At 1 (an evolution, which has been planned) separation, alignment and cohesion say nothing and the velocity
-        is taken up at once; only a collision that is really coming still turns her aside.
+        At 1 (a planned evolution) separation, alignment and cohesion are ignored and the velocity applies at once; only
+        a predicted collision still turns the agent aside.
         """
         return self.rows[:, FIRM]
 
@@ -81,5 +83,5 @@ class Wants:
         return self.rows[:, PRESENCE]
 
     def rest(self) -> None:
-        """Nobody wants anything; presence and top speeds stay."""
-        np.bitwise_and(self._bits, self._kept, self._bits)  # one pass over all columns, four times as fast
+        """Clear all commands; presence and speed limits stay."""
+        np.bitwise_and(self._bits, self._kept, self._bits)  # one pass over all columns: four times as fast

@@ -1,4 +1,4 @@
-"""Wants before and after choreography has written them: rest, hurry, presence, and the leash."""
+"""Kernels that prepare and post-process agent commands: reset, speed limits, presence and the leash to the dancers."""
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +14,10 @@ Int8 = npt.NDArray[np.int8]
 
 @kernel("void(f4[:,::1], f4[::1], f4)")
 def rest_wants(rows: Float32, speed: Float32, separation: float) -> None:
-    """Nobody wants anything, but to be no faster than `speed` (A,) [m/s] and `separation` [m] away from others.
+    """Reset all commands except presence; set the speed limit to `speed` (A,) [m/s] and the separation to `separation`
+    [m].
 
-    `rows` (A, 8) as in `Wants`; presence stays.
+    `rows` (A, 8) as in `Wants`.
     """
     zero = np.float32(0.0)
     for n in range(rows.shape[0]):
@@ -26,7 +27,7 @@ def rest_wants(rows: Float32, speed: Float32, separation: float) -> None:
 
 @kernel("void(f4[:,::1], f4[::1], f4)")
 def hurry_firm(rows: Float32, speed: Float32, times: float) -> None:
-    """Whoever's want is firm may be so many `times` as fast as `speed` (A,) [m/s]."""
+    """Raise the speed limit of agents with a firm command to `times` times `speed` (A,) [m/s]."""
     for n in range(rows.shape[0]):
         if rows[n, FIRM] > 0.0:
             rows[n, SPEED] = speed[n] * times
@@ -34,7 +35,7 @@ def hurry_firm(rows: Float32, speed: Float32, times: float) -> None:
 
 @kernel("i8(f4[:,::1], i1[::1], f4[::1], f4)")
 def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float) -> int:
-    """Write the `presence` (S,) of each one's `state` (A,) into `rows` (A, 8); how many have presence `passing`."""
+    """Write `presence` (S,) of each agent's `state` (A,) into `rows` (A, 8); return the number of `passing` ones."""
     count = 0
     for n in range(rows.shape[0]):
         rows[n, PRESENCE] = presence[state[n]]
@@ -44,7 +45,7 @@ def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float
 
 @kernel("b1(i4[::1], i4[::1])")
 def same_indices(one: Int32, other: Int32) -> bool:
-    """Whether two arrays (A,) are the same."""
+    """Whether two arrays (A,) are equal."""
     different = False
     for n in range(one.shape[0]):
         different |= one[n] != other[n]
@@ -53,7 +54,7 @@ def same_indices(one: Int32, other: Int32) -> bool:
 
 @kernel("b1(i1[::1], i8)")
 def any_in(state: Int8, wanted: int) -> bool:
-    """Whether anybody's `state` (A,) is the one `wanted`."""
+    """Whether any agent's `state` (A,) equals `wanted`."""
     found = False
     for n in range(state.shape[0]):
         found |= state[n] == wanted
@@ -74,8 +75,11 @@ def hold_on_leash(
     long_leash: float,
     most: Float32,
 ) -> None:
-    """Bind agents to their dancers as `bind_agents` does: those `on` the stage by `leash` [m], others who are `seen`
-    by `long_leash` [m], and nobody whose want is firm (`rows` (A, 8)). `most` (A,) is room to work in."""
+    """Bind agents to their dancers as `bind_agents` does.
+
+    Agents with state `on` use the distance `leash` [m], other visible agents (state >= `seen`) use `long_leash` [m].
+    Agents with a firm command (`rows` (A, 8)) are not bound. `most` (A,) is scratch.
+    """
     for n in range(state.shape[0]):
         most[n] = np.inf
         if state[n] >= seen and rows[n, FIRM] <= 0.0:

@@ -1,4 +1,4 @@
-"""LookAhead: where the agents will be, by the same steering on a copy, in coarse steps spread over several ticks."""
+"""Prediction of agent positions: the same steering runs on a copy, in coarse steps spread over several ticks."""
 
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
@@ -13,11 +13,11 @@ from live.agents.crowd.obstacles import Surroundings
 Float32 = npt.NDArray[np.float32]
 
 Ask = Callable[[Wants, AgentState, float], None]
-"""Fills the wants of agents in a state at a time [s]; changes nothing else."""
+"""Fills the commands of agents in a state at a time [s]; must have no other effect."""
 
 
 class Steer(Protocol):
-    """Advances agents by a step, as `crowd.advance.Advance` does, or as pairs do."""
+    """Callable that advances agents by one step, such as `Advance` or the pair simulation."""
 
     def __call__(
         self, current: AgentState, out: AgentState, *, wants: Wants, surroundings: Surroundings, time: float, dt: float
@@ -26,12 +26,14 @@ class Steer(Protocol):
 
 
 class LookAhead:
-    """A beat before a measure ends its dancers choose their next step by where their agents will stand when the *next*
-    measure ends. Running all of it in one tick would make that frame late; so `work` does a few steps at a time.
+    """Incremental prediction of agent positions.
+
+    One beat before a measure ends, the next step is chosen from the predicted positions at the end of the *next*
+    measure. Computing this in one tick would delay the frame, so `work` runs a few steps at a time.
     """
 
     STEP: Final = 1.0 / 16.0
-    """Seconds of one coarse step."""
+    """Length of a coarse step [s]."""
 
     def __init__(self, agent_count: int, advance: Steer, surroundings: Surroundings, ask: Ask) -> None:
         self._advance, self._surroundings, self._ask = advance, surroundings, ask
@@ -41,10 +43,10 @@ class LookAhead:
         self._stops: list[float] = []
         self._time = 0.0
         self.positions: list[Float32] = []
-        """Predicted positions [m] at each moment that was asked for, as far as the copy has come, shape (A, 2) each."""
+        """Predicted positions [m] at each requested moment reached so far, shape (A, 2) each."""
 
     def begin(self, state: AgentState, *, time: float, seconds: Sequence[float]) -> None:
-        """Start from `state` at `time` [s]; look so many `seconds` ahead, in rising order, none below 0."""
+        """Start from `state` at `time` [s]; predict for each of `seconds` ahead, ascending and not below 0."""
         self._state.copy_from(state)
         self._stops = [time + ahead for ahead in seconds]
         self._time = time
@@ -52,11 +54,11 @@ class LookAhead:
 
     @property
     def done(self) -> bool:
-        """Whether the copy has reached its end."""
+        """Whether all requested moments are predicted."""
         return len(self.positions) == len(self._stops)
 
     def work(self, steps: int) -> None:
-        """Do at most `steps` coarse steps. The copies are on no leash: their dancers are taken to keep up."""
+        """Run at most `steps` coarse steps. No leash applies: the dancers are assumed to keep up."""
         for _ in range(steps):
             while not self.done and self._stops[len(self.positions)] - self._time <= 1e-9:
                 self.positions.append(self._state.position.copy())

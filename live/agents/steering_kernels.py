@@ -1,8 +1,8 @@
-"""Reynolds' behaviours of one agent, as kernels that give a desired velocity (T080-T083).
+"""Reynolds' steering behaviours for one agent, as kernels that return a preferred velocity (T080-T083).
 
-Desired velocities are shares of the agent's top speed: a vector of length 1 is as fast as she may. Steering (desired
-minus current velocity, T081) and all that needs neighbours comes later, in the neighbour pass. Words and rules are
-those of Reynolds, "Steering behaviors for autonomous characters" (1999); stage plane (x, z), metres, seconds.
+Preferred velocities are fractions of the agent's top speed: length 1 is full speed. The steering force (preferred minus
+current velocity, T081) and all behaviours that need neighbours are computed later, in the neighbour pass. Terms and
+rules follow Reynolds, "Steering behaviors for autonomous characters" (1999); stage plane (x, z), metres, seconds.
 """
 
 import math
@@ -15,20 +15,20 @@ from live.base.jit import kernel
 Float32 = npt.NDArray[np.float32]
 
 WANDER_RATE = 0.9
-"""Fresh displacements of a wandering agent's direction per second."""
+"""New random displacements of a wandering agent's direction per second."""
 WANDER_TURN = 1.1
 """The largest displacement of the direction [rad]."""
 LOOK = 0.4
-"""Seconds ahead at which a flow field or a path is read: an agent cannot turn at once."""
+"""Look-ahead [s] at which a flow field or a path is sampled, since an agent cannot turn at once."""
 STRAIGHT_ON = 0.2
-"""A piece of path that runs across an agent's way counts as this much [m²] farther off, one against it twice."""
+"""Cost [m²] added to a path segment perpendicular to the agent's heading; an opposing segment costs twice this."""
 LONGEST_PREDICTION = 1.5
-"""Seconds that pursuit and evasion look ahead at most."""
+"""Longest look-ahead of pursuit and evasion [s]."""
 
 
 @kernel("f8(i8,i8,i8)")
 def hash_unit(seed: int, agent: int, turn: int) -> float:
-    """A number in [0, 1) that depends on its three arguments only (mixing steps of murmur3): seeded chance."""
+    """Return a pseudo-random number in [0, 1) that depends only on the arguments (mixing steps of murmur3)."""
     h = (int(seed) * 0x9E3779B1 ^ int(agent) * 0x85EBCA77 ^ int(turn) * 0xC2B2AE3D) & 0xFFFFFFFF
     h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
     h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
@@ -38,7 +38,7 @@ def hash_unit(seed: int, agent: int, turn: int) -> float:
 
 @kernel("UniTuple(f8,2)(f8,f8)")
 def unit(x: float, z: float) -> tuple[float, float]:
-    """The direction of (x, z); (0, 0) if it has none."""
+    """Return the unit vector of (x, z), or (0, 0) for a zero vector."""
     d = math.sqrt(x * x + z * z)
     if d < 1e-9:
         return 0.0, 0.0
@@ -47,19 +47,19 @@ def unit(x: float, z: float) -> tuple[float, float]:
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8)")
 def seek(x: float, z: float, target_x: float, target_z: float) -> tuple[float, float]:
-    """Straight to the target at top speed (T082); nothing on the target itself."""
+    """Return the direction to the target at top speed (T082); zero at the target."""
     return unit(target_x - x, target_z - z)
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8)")
 def flee(x: float, z: float, target_x: float, target_z: float) -> tuple[float, float]:
-    """Straight away from the target at top speed: the inverse of seek (T082)."""
+    """Return the direction away from the target at top speed: the inverse of seek (T082)."""
     return unit(x - target_x, z - target_z)
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8)")
 def arrive(x: float, z: float, target_x: float, target_z: float, slowing: float) -> tuple[float, float]:
-    """As seek, but slower within `slowing` [m] of the target, in proportion to the distance."""
+    """Return seek, slowed in proportion to the distance within `slowing` [m] of the target."""
     dx, dz = target_x - x, target_z - z
     d = math.sqrt(dx * dx + dz * dz)
     scale = 1.0 / max(d, slowing, 1e-9)
@@ -68,7 +68,7 @@ def arrive(x: float, z: float, target_x: float, target_z: float, slowing: float)
 
 @kernel("f8(f8,f8,f8)")
 def prediction(dx: float, dz: float, speed: float) -> float:
-    """Seconds after which somebody at (dx, dz) is met at `speed` [m/s]; bounded."""
+    """Return the time [s] to reach a point at offset (dx, dz) at `speed` [m/s], bounded by LONGEST_PREDICTION."""
     return min(math.sqrt(dx * dx + dz * dz) / max(speed, 0.1), LONGEST_PREDICTION)
 
 
@@ -76,7 +76,7 @@ def prediction(dx: float, dz: float, speed: float) -> float:
 def pursue(
     x: float, z: float, quarry_x: float, quarry_z: float, quarry_vx: float, quarry_vz: float, speed: float
 ) -> tuple[float, float]:
-    """Seek the place where the quarry will be when it can be met; `speed` [m/s] is the agent's top speed."""
+    """Seek the predicted position of the quarry; `speed` [m/s] is the agent's top speed."""
     ahead = prediction(quarry_x - x, quarry_z - z, speed)
     return seek(x, z, quarry_x + quarry_vx * ahead, quarry_z + quarry_vz * ahead)
 
@@ -85,14 +85,14 @@ def pursue(
 def evade(
     x: float, z: float, hunter_x: float, hunter_z: float, hunter_vx: float, hunter_vz: float, speed: float
 ) -> tuple[float, float]:
-    """Flee the place where the hunter will be: the inverse of pursue."""
+    """Flee the predicted position of the hunter: the inverse of pursue."""
     ahead = prediction(hunter_x - x, hunter_z - z, speed)
     return flee(x, z, hunter_x + hunter_vx * ahead, hunter_z + hunter_vz * ahead)
 
 
 @kernel("f8(i8,i8,f8)")
 def noise(seed: int, agent: int, time: float) -> float:
-    """A smooth random function of time in [-1, 1]: one fresh value per unit of `time`, eased between."""
+    """Return smooth noise over time in [-1, 1]: one new value per unit of `time`, with eased interpolation."""
     turn = math.floor(time)
     t = time - turn
     before = hash_unit(seed, agent, int(turn))
@@ -112,10 +112,10 @@ def wander(
     agent: int,
     time: float,
 ) -> tuple[float, float]:
-    """Go on, the direction displaced a little by seeded chance (T082); turned back where it would leave the stage.
+    """Keep the heading with small seeded random displacements (T082); turn back at the stage edge.
 
-    The displacement is a smooth function of (seed, agent, time), so it is the same at any tick length. An agent at rest
-    starts in a direction of her own.
+    The displacement is a smooth function of (seed, agent, time), so it does not depend on the tick length. An agent at
+    rest starts in a random direction.
     """
     if vx * vx + vz * vz > 1e-4:
         heading = math.atan2(vx, vz)
@@ -132,7 +132,7 @@ def wander(
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8)")
 def flow_radial(x: float, z: float, centre_x: float, centre_z: float, decay: float) -> tuple[float, float]:
-    """A flow away from the centre, at rest in it: 1 - exp(-d / decay) of the top speed."""
+    """Return a flow away from the centre, zero at the centre: 1 - exp(-d / decay) of the top speed."""
     dx, dz = x - centre_x, z - centre_z
     d = math.sqrt(dx * dx + dz * dz)
     scale = (1.0 - math.exp(-d / decay)) / max(d, 1e-9)
@@ -141,7 +141,7 @@ def flow_radial(x: float, z: float, centre_x: float, centre_z: float, decay: flo
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8)")
 def flow_vortex(x: float, z: float, centre_x: float, centre_z: float, decay: float) -> tuple[float, float]:
-    """A flow round the centre, at rest in it; clockwise as the ceiling sees it (from +x by +z to -x)."""
+    """Return a flow round the centre, zero at the centre; clockwise seen from above (from +x over +z to -x)."""
     out_x, out_z = flow_radial(x, z, centre_x, centre_z, decay)
     return -out_z, out_x
 
@@ -150,9 +150,9 @@ def flow_vortex(x: float, z: float, centre_x: float, centre_z: float, decay: flo
 def flow_grid(
     grids: Float32, slot: int, x: float, z: float, half_width: float, half_depth: float
 ) -> tuple[float, float]:
-    """A flow given at the nodes of a grid over the stage, `grids` (S, rows, columns, 2), between them bilinear.
+    """Sample a flow given at the nodes of a grid over the stage, `grids` (S, rows, columns, 2), bilinearly.
 
-    The first row lies at -half_depth, the last at +half_depth; places off the stage take the edge's flow.
+    The first row lies at -half_depth, the last at +half_depth; places off the stage use the flow at the edge.
     """
     rows, columns = grids.shape[1], grids.shape[2]
     u = min(max((x / half_width + 1.0) * 0.5 * (columns - 1), 0.0), columns - 1.001)
@@ -171,11 +171,12 @@ def flow_grid(
 def nearest_on_line(
     vertices: Float32, line: int, count: int, closed: bool, x: float, z: float, hx: float, hz: float
 ) -> tuple[float, float, float, float, float]:
-    """Squared distance [m²] to a polyline, its nearest point, the segment of it and the place (0 to 1) in the segment.
+    """Return the squared distance [m²] to a polyline, its nearest point, the segment and the position (0 to 1) in the
+    segment.
 
-    `vertices` (L, V, 2): the first `count` vertices of row `line`; a closed one has a segment back to its beginning.
-    Of equally near segments it is the first. A single vertex is a line of no length. (hx, hz), of length 1 at most:
-    segments that run another way count as farther off, so that where a path crosses itself an agent goes straight on.
+    `vertices` (L, V, 2): the first `count` vertices of row `line`; a closed line has a segment back to its start. The
+    first of equally near segments wins. A single vertex is a line of zero length. (hx, hz), of length at most 1:
+    segments that run in another direction cost more, so an agent goes straight on where a path crosses itself.
     """
     best, best_x, best_z, best_segment, best_t, least = 1e30, 0.0, 0.0, 0, 0.0, 1e30
     heading = math.sqrt(hx * hx + hz * hz)
@@ -202,7 +203,10 @@ def nearest_on_line(
 def along_line(
     vertices: Float32, line: int, count: int, closed: bool, segment: int, t: float, ahead: float
 ) -> tuple[float, float, float, float]:
-    """The point `ahead` [m] farther along a polyline than place `t` of `segment`, and its tangent; ends at its end."""
+    """Return the point `ahead` [m] farther along a polyline than position `t` of `segment`, and its tangent.
+
+    An open line is clamped to its end.
+    """
     segments = count if closed and count > 2 else max(count - 1, 1)
     px, pz, tx, tz = float(vertices[line, segment, 0]), float(vertices[line, segment, 1]), 0.0, 0.0
     left, turns = ahead, 0
@@ -242,10 +246,10 @@ def follow_path(
     vz: float,
     speed: float,
 ) -> tuple[float, float]:
-    """Along a polyline in its direction, within `width` [m] of it; predictive (Reynolds 1999).
+    """Follow a polyline in its direction, within `width` [m] of it; predictive (Reynolds 1999).
 
-    Where the agent will be in a moment is looked for on the path; within the width she goes on along the tangent,
-    outside she makes for a point farther along the path. At the end of an open path she arrives and stays.
+    The agent's predicted position is projected onto the path. Within the width the agent follows the tangent; outside
+    it heads for a point farther along the path. At the end of an open path it arrives and stays.
     """
     future_x, future_z = x + vx * LOOK, z + vz * LOOK
     going = max(math.sqrt(vx * vx + vz * vz), 0.3)
@@ -257,7 +261,7 @@ def follow_path(
         if (aim_x - end_x) ** 2 + (aim_z - end_z) ** 2 < 1e-8:
             return arrive(x, z, end_x, end_z, 1.0)
     to_x, to_z = seek(x, z, aim_x, aim_z)
-    # from the tangent (on the path) to the aim (at its border): no step, so that nobody weaves along the border
+    # blended from the tangent (on the path) to the aim (at its border), so that agents do not oscillate at the border
     share = min(math.sqrt(d2) / max(width, 1e-6), 1.0)
     return unit(tx + share * (to_x - tx), tz + share * (to_z - tz))
 
@@ -266,7 +270,7 @@ def follow_path(
 def follow_behind(
     x: float, z: float, before_x: float, before_z: float, before_vx: float, before_vz: float, gap: float
 ) -> tuple[float, float]:
-    """Arrive `gap` [m] behind somebody who goes before, on the side of her on which one is: drawn like a rope."""
+    """Arrive `gap` [m] behind a moving agent, on the follower's side of it, as if pulled by a rope."""
     back_x, back_z = unit(x - before_x - 0.6 * before_vx, z - before_z - 0.6 * before_vz)
     return arrive(x, z, before_x + gap * back_x, before_z + gap * back_z, 0.8)
 
@@ -282,7 +286,10 @@ def follow_beside(
     side: float,
     gap: float,
 ) -> tuple[float, float]:
-    """Arrive `gap` [m] behind and `side` · gap beside somebody, as the heading (a unit vector) says: a wedge."""
+    """Arrive `gap` [m] behind and `side` · gap to the side of an agent, relative to its heading (unit vector).
+
+    Followers thus form a wedge.
+    """
     aim_x = before_x - gap * (heading_x - side * heading_z)
     aim_z = before_z - gap * (heading_z + side * heading_x)
     return arrive(x, z, aim_x, aim_z, 0.8)
@@ -292,7 +299,7 @@ def follow_beside(
 def make_way(
     x: float, z: float, leader_x: float, leader_z: float, leader_vx: float, leader_vz: float
 ) -> tuple[float, float]:
-    """Aside, out of the leader's way, for whoever is within 2 m before her and 0.7 m of her line (Reynolds 1999)."""
+    """Step aside from the leader's path if within 2 m ahead of it and 0.7 m of its line (Reynolds 1999)."""
     hx, hz = unit(leader_vx, leader_vz)
     dx, dz = x - leader_x, z - leader_z
     ahead, aside = dx * hx + dz * hz, dx * hz - dz * hx

@@ -37,7 +37,7 @@ class DrawingWatch(Affordance):
     def __init__(self, session: Session, renderer: Renderer) -> None:
         super().__init__(renderer, session.clock.now)
         self.overload = lambda: session.overload
-        self.ladder.hold(session.wish.quality)
+        self.ladder.hold(session.options.quality)
         session.engine.mark = self.times.mark
         session.engine.outward.append(self.hear)
         watch_passes(session, renderer)
@@ -148,9 +148,9 @@ class ShaderWatch:
 
 def watch_shaders(session: "Session", take: Callable[[], None]) -> "ShaderWatch | None":
     """Return a watch on the folder of `--shaders`, shown in overlay and status; None without the option."""
-    if session.wish.shaders is None:
+    if session.options.shaders is None:
         return None
-    watch = ShaderWatch(session.wish.shaders, take)
+    watch = ShaderWatch(session.options.shaders, take)
     session.status.notes.append(lambda: watch.problem)
     session.status.more["shaders"] = lambda: {"taken": watch.taken, "problem": watch.problem}
     return watch

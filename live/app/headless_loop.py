@@ -12,7 +12,7 @@ from rich.console import Console
 
 from live.app.headless_picture import HeadlessPicture
 from live.app.kernel_warmup import warm_kernels
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.session import Session
 from live.app.session_audio import Sound, choose_sound
 from live.base.errors import PersonError
@@ -41,11 +41,11 @@ def play_headless(
     """
     if session.lifeline is not None:
         session.engine.on_error = lambda error: FAULTS.note("drawing", error)
-    if session.wish.record is None and not session.wish.share:
+    if session.options.record is None and not session.options.share:
         with session.running():
-            _loop(session, lambda view: None, session.wish.film_fps)
+            _loop(session, lambda view: None, session.options.film_fps)
         return
-    made = picture or HeadlessPicture(session.wish, scene)
+    made = picture or HeadlessPicture(session.options, scene)
     try:
         _draw(session, made, console, sharing)
     finally:
@@ -58,16 +58,16 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
     from live.app.live_recording import live_rate
     from live.app.window_loop import Takers
 
-    wish, renderer = session.wish, picture.renderer
+    options, renderer = session.options, picture.renderer
     session.status.more["flashes_held"] = lambda: picture.flashes.held
-    rate = live_rate(wish, picture.ctx)
-    watch = None if wish.quality is None else DrawingWatch(session, renderer)  # without --quality: best
+    rate = live_rate(options, picture.ctx)
+    watch = None if options.quality is None else DrawingWatch(session, renderer)  # without --quality: best
     if watch is not None:
         watch.period = 1.0 / rate
     if watch is None:
         watch_passes(session, renderer)
         session.status.notes.append(lambda: "; ".join(renderer.problems))
-    takers = Takers(session, picture.ctx, wish.size, sharing=sharing)
+    takers = Takers(session, picture.ctx, options.size, sharing=sharing)
     shaders = watch_shaders(session, renderer.take_shaders)
 
     def take_patch(patch: "Patch") -> None:
@@ -113,41 +113,39 @@ FILM_SECONDS = 20.0
 FILM_NAME = "first-show.mp4"
 
 
-def play_show(
-    wish: Wish, *, monitor: str | None, fullscreen: bool, headless: bool, lifeline: Lifeline | None = None
-) -> None:
+def play_show(options: LaunchOptions, *, lifeline: Lifeline | None = None) -> None:
     """Play the show in a window, as a film or headless; raise PersonError if that is not possible.
 
     `lifeline`: the link to the supervisor, if there is one.
     """
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)
-    loaded = wish.load()
+    loaded = options.load()
     for note in loaded.graph.missing:
         console.print(f"note: {note}", style="yellow", markup=False)
-    if wish.shaders is not None:
+    if options.shaders is not None:
         from live.app.adaptive_quality import begin_with
 
-        begin_with(wish.shaders, console)
-    venue = wish.read_venue()
-    sound = choose_sound(wish, loaded, venue)
-    chosen = find_screen(monitor)
-    if headless:
-        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
+        begin_with(options.shaders, console)
+    venue = options.read_venue()
+    sound = choose_sound(options, loaded, venue)
+    chosen = find_screen(options.monitor)
+    if options.headless:
+        _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
     elif list_monitors():
         from live.app.window_loop import play_in_window
 
-        session = Session(wish, loaded, sound, venue, lifeline=lifeline)
+        session = Session(options, loaded, sound, venue, lifeline=lifeline)
         keys = help_lines(formation_names(loaded.patch.formation))
         console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
-        play_in_window(session, loaded.scene(), monitor=chosen, fullscreen=fullscreen, console=console)
-    elif fullscreen:
+        play_in_window(session, loaded.scene(), monitor=chosen, fullscreen=options.fullscreen, console=console)
+    elif options.fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
         console.print(f"{screen_problem()}; listening and running without a picture", style="dim")
-        _headless(Session(wish, loaded, sound, venue, lifeline=lifeline), console)
+        _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
     else:
-        _film(wish, loaded, sound, console)
+        _film(options, loaded, sound, console)
 
 
 def find_screen(name: str | None) -> Monitor | None:
@@ -169,23 +167,23 @@ def _headless(session: Session, console: Console) -> None:
     play_headless(session, session.loaded.scene(), console)
 
 
-def _film(wish: Wish, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+def _film(options: LaunchOptions, loaded: LoadedShow, sound: Sound, console: Console) -> None:
     from pathlib import Path
 
     from live.app.offline.film import film_show
 
-    seconds = wish.seconds or FILM_SECONDS
-    path = wish.record or Path(FILM_NAME)
+    seconds = options.seconds or FILM_SECONDS
+    path = options.record or Path(FILM_NAME)
     console.print(f"{screen_problem()}; rendering {seconds:g} s of the show to a film", style="dim", soft_wrap=True)
-    if wish.osc != Wish().osc:
+    if options.osc != LaunchOptions().osc:
         console.print("note: a film receives no OSC; use --headless to play in real time", style="yellow", markup=False)
-    film_show(wish, loaded, sound, path=path, seconds=seconds, console=console)
+    film_show(options, loaded, sound, path=path, seconds=seconds, console=console)
     console.print(f"the film is here: {path.resolve()}", soft_wrap=True, markup=False)
 
 
 def _welcome(session: Session) -> str:
-    host, port = session.wish.osc
-    song = session.wish.midi_file
+    host, port = session.options.osc
+    song = session.options.midi_file
     heard = "music file" if session.sound.music else session.sound.device or "internal clock"
     heard = heard if song is None else song.name
     return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Scene, StageView
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class HeadlessPicture:
     """An OpenGL context without a screen, and the renderer in it. Thread: the one that made it."""
 
-    def __init__(self, wish: Wish, scene: Scene) -> None:
+    def __init__(self, options: LaunchOptions, scene: Scene) -> None:
         """Raise PersonError if there is no OpenGL."""
         from live.render.headless import NoOpenGL, create_headless_context
         from live.render.outputs.photosensitivity import FlashGuard
@@ -27,9 +27,9 @@ class HeadlessPicture:
             self.ctx = create_headless_context()
         except NoOpenGL as error:
             raise PersonError(str(error)) from None
-        self._pictures, self.flashes = Pictures(self.ctx, wish.size), FlashGuard(self.ctx)
-        self._shown = Shown(self.ctx, wish.size)
-        self.renderer = Renderer(self.ctx, scene, size=wish.size, steps=wish.quality is not None)
+        self._pictures, self.flashes = Pictures(self.ctx, options.size), FlashGuard(self.ctx)
+        self._shown = Shown(self.ctx, options.size)
+        self.renderer = Renderer(self.ctx, scene, size=options.size, steps=options.quality is not None)
 
     def draw(self, view: StageView, now: "Callable[[], float]") -> moderngl.Framebuffer:
         """Draw a picture and return it with flashes limited. `now` returns the show's time [s] after drawing."""

@@ -1,13 +1,26 @@
-"""Parsed command line of a show, and its encoding for other processes.
+"""Launch options of a live show: every option once, with its text, form and limits.
 
-The module imports no NumPy, because the supervisor uses it.
+`live play` makes its command line from the fields (`live/cli/play.py`). This module imports no NumPy, because
+the supervisor uses it.
 """
 
 import base64
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
+from live.app.option_values import (
+    audience_address,
+    audience_web_address,
+    parse_choice,
+    parse_endpoint,
+    parse_measures,
+    parse_number,
+    parse_size,
+    with_port,
+    writable_file,
+)
 from live.base.field_types import made_of
 from live.control.message_codec import packet_of, read_packet
 
@@ -15,81 +28,245 @@ if TYPE_CHECKING:
     from live.show.loader import LoadedShow
     from live.show.venue.venue import Venue
 
+MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
+"""Panels of the help text; the options of the network have none."""
+VMC_PORT: Final = 39539
+OPTION: Final = "option"
+"""Key of a field's metadata."""
+
 
 @dataclass(frozen=True, slots=True)
-class Wish:
-    """Parsed command line of a show."""
+class Option:
+    """How a field is written on the command line."""
 
-    patch: str | None = None
-    audio: str | None = None
-    audio_channel: str | None = None
-    venue: str | None = None
-    bpm: float | None = None
-    link: str | None = None
-    """follow, lead or off; None: as in the patch."""
-    click: str | None = None
-    click_channels: str | None = None
-    midi: str | None = None
-    midi_file: Path | None = None
-    """A MIDI file whose tempo map leads the beat and whose notes act through the patch's MIDI map."""
-    midi_out: str | None = None
-    midi_clock_out: str | None = None
-    """Ports by name, or off; None: as in the venue or the patch."""
-    steps: Path | None = None
-    seed: int | None = None
-    measures: tuple[int, int] | None = None
-    """First and last measure of the score to practise, from 1; None: the whole show."""
-    tempo_share: float | None = None
-    """Factor on the tempo; the internal clock then leads."""
-    osc: tuple[str, int] = ("127.0.0.1", 9010)
-    osc_process: bool = False
-    """Whether OSC is received in a separate process."""
-    osc_musicians: tuple[str, int] | None = None
-    """A second OSC port, which accepts only commands that musicians may use."""
-    osc_out: tuple[tuple[str, int], ...] = ()
-    """Receivers of the show's OSC output; empty: those of the venue or the patch."""
-    dmx: tuple[str, ...] = ()
-    """DMX universes that the show controls, in the syntax of `parse_universe`."""
-    vmc_out: tuple[str, ...] = ()
-    """Receivers of dancers as VMC avatars, in the syntax of `parse_avatars`."""
-    psn: str | None = None
-    """PosiStageNet input for trackers, in the syntax of `parse_psn`; None: as in the venue."""
-    vmc: tuple[tuple[str, int], ...] = ()
-    """Ports for motion capture of real dancers by the VMC protocol; empty: as in the venue."""
-    oscquery: tuple[str, int] | None = None
-    """Address of the OSCQuery server."""
-    web: tuple[str, int] | None = None
-    """Address of the operator's web page."""
-    web_key: str = field(default="", repr=False)
-    """Access key of the web page; the same in all processes of a show."""
-    web_hosts: tuple[str, ...] = ()
-    """Host names of this machine besides its addresses, accepted by the web page and OSCQuery."""
-    audience: tuple[str, int] | None = None
-    """Address of the server for the audience's phones."""
-    audience_link: str | None = None
-    """Web address given to phones, if it differs from the server's own."""
-    audience_tls: tuple[Path, Path] | None = None
-    """Certificate and key for https to phones."""
-    audience_secret: bytes = b""
-    """Secret of this show, shared by its processes, by which returning phones are recognised."""
-    journal: Path | None = None
-    status_json: Path | None = None
-    seconds: float | None = None
-    record: Path | None = None
-    share: tuple[str, ...] = ()
-    """Where the picture is shared: shm:NAME, or stream addresses."""
-    operator: str | None = None
-    """The monitor of the operator's own window; None: as in the venue."""
-    size: tuple[int, int] = (1280, 720)
-    fps: float | None = None
-    shaders: Path | None = None
-    """A folder of shaders used instead of the built-in ones, and reloaded when edited."""
-    quality: int | None = None
-    """Fixed quality level of the picture, 0 is best; None: adaptive."""
+    help: str
+    panel: str | None = None
+    written: Any = None
+    """Type of what a person writes; None: the field's own."""
+    default: Any = None
+    """What stands for the field's default there."""
+    parse: Callable[[Any, str], Any] | None = None
+    """Makes the field's value of what was written and the option's name; PersonError where that is wrong."""
+    flags: tuple[str, ...] = ()
+    """The option's names; none: the field's name with dashes."""
+    argument: bool = False
+    """Whether it is written without a name."""
+    details: Mapping[str, Any] = field(default_factory=dict)
+    """More for typer: metavar, limits, environment variable."""
+
+
+def option(default: Any, help: str, panel: str | None = None, *, metavar: str | None = None, **how: Any) -> Any:
+    """A field that is an option, too."""
+    own = {name: how.pop(name) for name in ("written", "default_text", "parse", "flags", "argument") if name in how}
+    shown = own.pop("default_text", None if own.get("written") is not None else default)
+    details = {**how, **({} if metavar is None else {"metavar": metavar})}
+    return field(default=default, metadata={OPTION: Option(help, panel, default=shown, details=details, **own)})
+
+
+def _within(low: float, high: float) -> Callable[[Any, str], Any]:
+    def parse(value: Any, name: str) -> Any:
+        parse_number(value, name, low, high)
+        return value
+
+    return parse
+
+
+def _writable(path: Path, name: str) -> Path:
+    writable_file(path, name)
+    return path
+
+
+def _several(parse: Callable[[str, str], Any] = lambda text, name: text) -> dict[str, Any]:
+    return {"written": list[str], "parse": lambda texts, name: tuple(parse(text, name) for text in texts)}
+
+
+def _tls(text: str, name: str) -> tuple[Path, Path] | None:
+    from live.app.services.audience_tls import parse_tls
+
+    return parse_tls(text)
+
+
+def _shares(texts: list[str], name: str) -> tuple[str, ...]:
+    from live.app.live_recording import parse_shares
+
+    return parse_shares(texts)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchOptions:
+    """What a show is started with. What is None here is decided by the venue, then by the patch."""
+
+    patch: str | None = option(
+        None, "A patch (TOML file or folder with show.toml). Default: the first show.", argument=True
+    )
+    audio: str | None = option(
+        None, "An input device to listen to (see `live devices`), or a music file.", MUSIC, metavar="DEVICE|FILE"
+    )
+    audio_channel: str | None = option(
+        None, "Which channels of the input: 3, or 5,6, or all. Default: the first two.", MUSIC, metavar="N[,N]|all"
+    )
+    venue: str | None = option(None, "The hall: its devices and delays (see `live calibrate`).", MUSIC, metavar="NAME")
+    bpm: float | None = option(
+        None, "The tempo to begin with; without --audio the internal clock keeps it.", MUSIC, parse=_within(20, 400)
+    )
+    link: str | None = option(
+        None, "Ableton Link: follow others' tempo and beat, or lead them with the show's. Default: the patch's.",
+        MUSIC, metavar="follow|lead|off", parse=lambda text, name: parse_choice(text, name, "follow", "lead", "off"),
+    )  # fmt: skip
+    midi: str | None = option(
+        None, "A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
+        "rtp:HOST:PORT, raw:PATH; or off.", MUSIC, metavar="NAME",
+    )  # fmt: skip
+    midi_file: Path | None = option(
+        None, "A MIDI file: its tempo map leads the beat, its notes move the dance and trigger what the map says.",
+        MUSIC, metavar="FILE.mid",
+    )  # fmt: skip
+    midi_out: str | None = option(
+        None, "A MIDI port that gets present values, for lights of pads and motor faders; or off.", MUSIC,
+        metavar="NAME",
+    )  # fmt: skip
+    midi_clock_out: str | None = option(
+        None, "A MIDI port that gets the show's beat as MIDI clock; or off.", MUSIC, metavar="NAME"
+    )
+    click: str | None = option(
+        None, "An output on which the players hear a click (see `live devices`).", MUSIC, metavar="DEVICE"
+    )
+    click_channels: str | None = option(None, "Which channels of it, from 1: 3, or 5,6.", MUSIC, metavar="N")
+    seconds: float | None = option(None, "End after so many seconds.", MUSIC, parse=_within(0.1, 7 * 86400))
+    measures: tuple[int, int] | None = option(
+        None, "Practise these measures of the score, again and again, without the patch's music.", MUSIC,
+        metavar="17-24", written=str, parse=lambda text, name: parse_measures(text),
+    )  # fmt: skip
+    """First and last measure, from 1; None: the whole show."""
+    tempo_share: float | None = option(
+        None, "Practise at this share of the tempo: 0.8 is slower.", MUSIC, metavar="0.1-2", parse=_within(0.1, 2.0)
+    )
+    """The internal clock keeps the tempo then."""
+    steps: Path | None = option(
+        None, "Dance the recordings of this folder (BVH files and TOML) instead of the patch's steps.",
+        file_okay=False,
+    )  # fmt: skip
+    seed: int | None = option(None, "Seed of all random choices in the show.", min=0, max=2**31 - 1)
+
+    osc: tuple[str, int] = option(
+        ("127.0.0.1", 9010), "Where OSC is received.", metavar="HOST:PORT", written=str,
+        default_text="127.0.0.1:9010", parse=parse_endpoint,
+    )  # fmt: skip
+    osc_process: bool | None = option(
+        None, "Receive OSC in a process of its own, so that floods cost the picture little, or in the show's. Without "
+        "either: of its own, unless the whole show is one process.", flags=("--osc-process/--no-osc-process",),
+    )  # fmt: skip
+    osc_musicians: tuple[str, int] | None = option(
+        None, "A separate port for musicians: what only an operator may do is refused there.", metavar="HOST:PORT",
+        written=str, parse=parse_endpoint,
+    )  # fmt: skip
+    osc_out: tuple[tuple[str, int], ...] = option(
+        (), "Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
+        metavar="HOST:PORT", **_several(parse_endpoint),
+    )  # fmt: skip
+    dmx: tuple[str, ...] = option(
+        (), "Let the hall's lamps follow the show: channels as [[dmx]] says. May come several times.",
+        metavar="sacn:UNIVERSE[@HOST]|artnet:UNIVERSE@HOST", **_several(),
+    )  # fmt: skip
+    web: tuple[str, int] | None = option(
+        None, "Serve the operator's page for a browser: all controls and present values. Only the printed link lets "
+        "in: it has the key.", metavar="[HOST:]PORT", written=str, parse=parse_endpoint,
+    )  # fmt: skip
+    web_key: str = field(default="", repr=False, metadata={OPTION: Option(
+        "A key of your own for that page (16 characters or more), instead of the one that is kept. Others on this "
+        "machine can read a command line: the variable is better.",
+        written=str, details={"metavar": "KEY", "envvar": "LIVE_WEB_KEY"},
+    )})  # fmt: skip
+    """The same in all processes of a show."""
+    web_hosts: tuple[str, ...] = option(
+        (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
+        "several times.", metavar="NAME[:PORT]", flags=("--web-host",), **_several(),
+    )  # fmt: skip
+    psn: str | None = option(
+        None, "Listen there for trackers by PosiStageNet, usually 236.10.10.10:56565; ADDRESS: of the network card.",
+        metavar="[GROUP:]PORT[@ADDRESS]",
+    )  # fmt: skip
+    vmc_out: tuple[str, ...] = option(
+        (), "Send dancers to other programs as avatars by the VMC protocol: the first, or those that WHO names, each "
+        "to the next port. May come several times.", metavar="HOST:PORT[=WHO][@RATE]", **_several(),
+    )  # fmt: skip
+    vmc: tuple[tuple[str, int], ...] = option(
+        (), "Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
+        metavar="[HOST:]PORT|HOST", **_several(lambda text, name: parse_endpoint(with_port(text, VMC_PORT), name)),
+    )  # fmt: skip
+    oscquery: tuple[str, int] | None = option(
+        None, "Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
+        metavar="HOST:PORT", written=str, parse=parse_endpoint,
+    )  # fmt: skip
+    audience: tuple[str, int] | None = option(
+        None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
+        "whole network.", metavar="[[HOST:]PORT]", written=str, parse=lambda text, name: audience_address(text),
+    )  # fmt: skip
+    audience_link: str | None = option(
+        None, "The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]",
+        parse=lambda text, name: audience_web_address(text),
+    )  # fmt: skip
+    audience_tls: tuple[Path, Path] | None = option(
+        None, "Serve phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
+        metavar="CERT,KEY", written=str, parse=_tls,
+    )  # fmt: skip
+    audience_secret: bytes = field(default=b"", repr=False)
+    """By it phones are recognised; made for each show, the same in all its processes."""
+
+    monitor: str | None = option(
+        None, 'Monitor by number, name or place ("right of primary").', PICTURE, metavar="N|NAME"
+    )
+    fullscreen: bool = option(False, "Full screen.", PICTURE, flags=("--fullscreen",))
+    operator: str | None = option(
+        None, "A window for the operator on this monitor: the picture with overlay and guides, which no projector "
+        "shows then.", PICTURE, metavar="N|NAME",
+    )  # fmt: skip
+    headless: bool = option(
+        False, "No window: run in real time without a picture, or --record or --share it.", PICTURE,
+        flags=("--headless",),
+    )  # fmt: skip
+    size: tuple[int, int] = option(
+        (1280, 720), "Size of the window or film.", PICTURE, metavar="WxH", written=str, default_text="1280x720",
+        parse=lambda text, name: parse_size(text),
+    )  # fmt: skip
+    fps: float | None = option(
+        None, "Default: the monitor's; 30 without a graphics card.", PICTURE, parse=_within(1, 480)
+    )
+    shaders: Path | None = option(
+        None, "For people who work on looks: draw with the shaders of this folder, and again whenever one is edited. "
+        "A folder that does not exist is made, with copies of the program's own.", PICTURE, metavar="FOLDER",
+        file_okay=False,
+    )  # fmt: skip
+    quality: int | None = option(
+        None, "Hold a step of quality, 0 is the best. Default: as the machine can afford.", PICTURE,
+        parse=_within(0, 15),
+    )  # fmt: skip
+    record: Path | None = option(None, "Record the picture as an mp4.", RECORDING, metavar="FILE.mp4", parse=_writable)
+    share: tuple[str, ...] = option(
+        (), "Share the picture with other programs: shm:NAME, or a stream like udp://127.0.0.1:5000.", RECORDING,
+        metavar="shm:NAME|URL", written=list[str], parse=_shares,
+    )  # fmt: skip
+    journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=_writable)
+    status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=_writable)
+
+    alone: bool = option(
+        False, "One process only: no supervisor, so a crash ends the show.", RECOVERY, flags=("--alone",)
+    )
+    lead: str | None = option(
+        None, "Let machines that stand by follow this show here.", RECOVERY, metavar="[HOST:]PORT"
+    )
+    standby: str | None = option(
+        None, "Follow the show of the machine that leads there, and take over when it falls silent.", RECOVERY,
+        metavar="HOST[:PORT]",
+    )  # fmt: skip
+    service: str | None = option(
+        None, "Which service this is (`live service install` writes it): a start resumes what was cut off.",
+        RECOVERY, metavar="NAME",
+    )  # fmt: skip
 
     @property
-    def practises(self) -> bool:
-        """Whether this is practice; the patch's own music is then silent, as it cannot follow."""
+    def is_practice(self) -> bool:
+        """Whether this is practice. The patch's own music does not play then, because it cannot follow."""
         return self.measures is not None or self.tempo_share is not None
 
     @property
@@ -98,13 +275,13 @@ class Wish:
         return self.fps or 60.0
 
     def read_venue(self) -> "Venue | None":
-        """Read the venue; None if none is named."""
+        """The venue that was named, if one was."""
         from live.show.venue.venue import read_venue
 
         return None if self.venue is None else read_venue(self.venue)
 
     def load(self, *, whole: bool = True) -> "LoadedShow":
-        """Load the patch and its steps, adapted to the venue. `whole`: see `load_show`."""
+        """The patch and its steps, as they are played in the venue. `whole`: see `load_show`."""
         from live.show.loader import load_show
         from live.show.patch.patch_search_path import find_patch
 
@@ -112,24 +289,14 @@ class Wish:
         loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole)
         return loaded if venue is None else loaded.played_in(venue.projector)
 
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """Launch options with display options, and their encoding for another process."""
-
-    wish: Wish
-    monitor: str | None = None
-    fullscreen: bool = False
-    headless: bool = False
-
-    def packed(self) -> str:
-        """Encode as one word, for the command line of another process."""
+    def encode(self) -> str:
+        """As one word, for another process of this program."""
         return base64.b64encode(packet_of(asdict(self))).decode()
 
     @classmethod
-    def unpacked(cls, word: str) -> "Played":
-        """Decode the result of `packed`; raise ValueError for anything else."""
-        told = read_packet(base64.b64decode(word, validate=True))
-        if not isinstance(told, dict):
-            raise ValueError("the launch options are not a table")
-        return made_of(cls, told)
+    def decode(cls, word: str) -> "LaunchOptions":
+        """What `encode` made; ValueError for anything else."""
+        table = read_packet(base64.b64decode(word, validate=True))
+        if not isinstance(table, dict):
+            raise ValueError("launch options are a table")
+        return made_of(cls, table)

@@ -7,7 +7,7 @@ from typing import Final
 import moderngl
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
 from live.control.audio.music_file import Music
 from live.render.film.film_writer import FilmError, FilmWriter, PictureWriter
@@ -37,14 +37,14 @@ def film_writer(
         raise PersonError(str(error)) from None
 
 
-def live_rate(wish: Wish, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
-    """Return the frames per second of a live show: as in `wish`, else the display's rate, but 30 with software OpenGL.
+def live_rate(options: LaunchOptions, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
+    """Return the frames per second of a live show: as in `options`, else the display's rate; 30 with software OpenGL.
 
     Software OpenGL at full rate would stutter and starve the threads for audio and film.
     """
-    if wish.fps is not None:
-        return wish.fps
-    return SOFTWARE_FPS if is_software(ctx) else refresh_hz or wish.film_fps
+    if options.fps is not None:
+        return options.fps
+    return SOFTWARE_FPS if is_software(ctx) else refresh_hz or options.film_fps
 
 
 class LiveRecording:

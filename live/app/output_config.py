@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.session import Session
 from live.base.errors import PersonError, named
 from live.base.fault_isolation import FAULTS
@@ -32,24 +32,26 @@ def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
     return tuple(one.output(folder) for one in venue.output)
 
 
-def places_of(wish: Wish, venue: Venue | None, *, monitor: Monitor | None, fullscreen: bool, hidden: bool) -> Places:
+def places_of(
+    options: LaunchOptions, venue: Venue | None, *, monitor: Monitor | None, fullscreen: bool, hidden: bool
+) -> Places:
     """Return all windows and their monitors; raise PersonError for missing monitors.
 
     `--monitor` overrides the monitor of a venue with one output.
     """
-    outputs = outputs_of(venue, wish.venue)
+    outputs = outputs_of(venue, options.venue)
     if hidden:  # a standby resumes the show without a mask whose file was lost
         outputs = tuple(one if _mask_is_there(one) else replace(one, mask=None) for one in outputs)
     if len(outputs) == 1 and monitor is not None:
         outputs = (replace(outputs[0], monitor=None),)
     for number, output in enumerate(outputs):
         if output.monitor is not None:
-            found(output.monitor, f"venue {wish.venue}: output.{number + 1}.monitor")
+            found(output.monitor, f"venue {options.venue}: output.{number + 1}.monitor")
     of_venue = None if venue is None else venue.operator
-    asked = wish.operator or of_venue
-    where = "--operator" if wish.operator else f"venue {wish.venue}: operator"
+    asked = options.operator or of_venue
+    where = "--operator" if options.operator else f"venue {options.venue}: operator"
     operator = None if asked is None else found(asked, where)
-    return Places(outputs, monitor, operator, wish.size, fullscreen, hidden)
+    return Places(outputs, monitor, operator, options.size, fullscreen, hidden)
 
 
 def _mask_is_there(output: Output) -> bool:

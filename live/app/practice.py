@@ -1,6 +1,6 @@
 """Practice mode: loops some measures of the score, optionally at a slower tempo."""
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
 from live.control.events.events import ControlEvent, Practice
 from live.show.loader import LoadedShow
@@ -11,20 +11,20 @@ FASTEST = 400.0
 """Tempi [bpm] that a show may have."""
 
 
-def practice_tempo(wish: Wish, loaded: LoadedShow) -> float | None:
+def practice_tempo(options: LaunchOptions, loaded: LoadedShow) -> float | None:
     """Return the practice tempo [bpm]: that of `--bpm`, the patch's music or its clock, times `--tempo-share`."""
     patch = loaded.patch
-    tempo = (wish.bpm or patch.music.bpm or patch.clock.bpm) * (wish.tempo_share or 1.0)
+    tempo = (options.bpm or patch.music.bpm or patch.clock.bpm) * (options.tempo_share or 1.0)
     if not SLOWEST <= tempo <= FASTEST:
         raise PersonError(f"--tempo-share: it gives {tempo:g} bpm; {SLOWEST:g} to {FASTEST:g} bpm are possible")
     return tempo
 
 
-def practice_events(wish: Wish, show: Show) -> list[ControlEvent]:
+def practice_events(options: LaunchOptions, show: Show) -> list[ControlEvent]:
     """Return the events that start practice; raise PersonError for measures that the score does not have."""
-    if wish.measures is None:
+    if options.measures is None:
         return []
-    first, last = wish.measures
+    first, last = options.measures
     try:
         show.playhead.of_written(first - 1), show.playhead.of_written(last - 1)
     except ValueError as error:

@@ -240,14 +240,14 @@ def set_up(session: Session, picture: Projection, anew: bool) -> OutputSetup:
     if anew:
         with contextlib.suppress(PersonError):
             for screen, output in zip(
-                picture.screens, outputs_of(session.wish.read_venue(), session.wish.venue), strict=False
+                picture.screens, outputs_of(session.options.read_venue(), session.options.venue), strict=False
             ):
                 screen.set(replace(screen.output, corners=output.corners, mesh=output.mesh))
 
     def told(words: str) -> None:
         setup.kept = words
 
-    keeping = OutputKeeping(session.wish.venue, told)
+    keeping = OutputKeeping(session.options.venue, told)
 
     def ask(output: str, card: str) -> None:
         session.inbox.put(ShowCard(time=session.clock.now(), source="key", output=output, card=card))

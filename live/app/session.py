@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.practice import practice_events
 from live.app.processes.resume_state import Resumed
 from live.app.service_builder import Beside
@@ -142,7 +142,7 @@ class Session:
     """A running show: engine, inputs, journal, status."""
 
     def __init__(
-        self, wish: Wish, loaded: LoadedShow, sound: Sound, venue: Venue | None = None, *,
+        self, options: LaunchOptions, loaded: LoadedShow, sound: Sound, venue: Venue | None = None, *,
         lifeline: Lifeline | None = None, resumed: Resumed | None = None,
     ) -> None:  # fmt: skip
         """Make everything without starting it; raise PersonError if something fails.
@@ -150,11 +150,11 @@ class Session:
         `lifeline`: link to the supervisor, if there is one; `resumed`: the show to resume.
         """
         self.latencies = Latencies.of(venue)
-        tempo = start_tempo(wish, loaded, sound)
-        show = loaded.start(seed=wish.seed, tempo=tempo) if resumed is None else resumed.show
+        tempo = start_tempo(options, loaded, sound)
+        show = loaded.start(seed=options.seed, tempo=tempo) if resumed is None else resumed.show
         self.lifeline = lifeline
         self._resumed = resumed
-        self.wish = wish
+        self.options = options
         self.venue = venue
         self.loaded = loaded
         self.sound = sound
@@ -164,13 +164,13 @@ class Session:
         """CPU time of this thread."""
         self._processor_at = 0.0
         self.inbox: Inbox[ControlEvent] = Inbox()
-        for event in practice_events(wish, show) if resumed is None else ():
+        for event in practice_events(options, show) if resumed is None else ():
             self.inbox.put(event)
-        self.osc = OperatorsPort(wish, self.inbox, self.clock, lifeline)
+        self.osc = OperatorsPort(options, self.inbox, self.clock, lifeline)
         self._audio = SessionAudio(
             sound, loaded, show, self.latencies, self.inbox, self.clock, lifeline=lifeline, resumed=resumed
         )
-        self._records = Records(wish, loaded, sound, lifeline=lifeline, resumed=resumed)
+        self._records = Records(options, loaded, sound, lifeline=lifeline, resumed=resumed)
         self.status = Status(
             show,
             rejected=lambda: sum((tell() for tell in self._parts.refused), self.osc.rejected()),
@@ -179,7 +179,7 @@ class Session:
             refusal=lambda: self.news.refused,
         )
         self._tempo = tempo
-        stall = max(STALL, 3.0 / wish.film_fps)  # a low frame rate is not a stall
+        stall = max(STALL, 3.0 / options.film_fps)  # a low frame rate is not a stall
         self.engine = Engine(
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
         )
@@ -207,7 +207,7 @@ class Session:
             self.status.more["audio"] = self._audio.source.facts
         if lifeline is not None:
             self.status.more["alive"] = lifeline.status
-        beside = Beside(wish, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
+        beside = Beside(options, venue, self.inbox, self.clock, self.engine, self.status, self._telling)
         beside.goes_on = resumed is not None
         beside.music()
         self.midi = midi = beside.midi(loaded.path, 0 if resumed is None else resumed.tick)
@@ -326,4 +326,4 @@ class Session:
 
     def finished(self, time: float) -> bool:
         """Whether the time limit of `--seconds` is reached."""
-        return self.wish.seconds is not None and time >= self.wish.seconds
+        return self.options.seconds is not None and time >= self.options.seconds

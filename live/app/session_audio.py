@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.practice import FASTEST, SLOWEST, practice_tempo
 from live.app.processes.audio_client import RemoteAudio
 from live.app.processes.resume_state import Resumed
@@ -28,7 +28,7 @@ from live.show.venue.venue import Latencies, Venue
 from live.supervisor.supervisor_link import Lifeline
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.control.audio.analysis import MakeAnalysis, TrackerName
     from live.control.audio.channel_mixer import Channels
 
@@ -65,7 +65,7 @@ class Sound:
     """The music's file."""
 
 
-def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -> Sound:
+def choose_sound(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None = None) -> Sound:
     """Choose the source of `--audio` and `--bpm`, else the venue's device, else the patch's music.
 
     Raise PersonError, which lists the devices, if the source does not exist.
@@ -73,19 +73,19 @@ def choose_sound(wish: "Wish", loaded: LoadedShow, venue: Venue | None = None) -
     audio = None if venue is None else venue.audio
     output = None if audio is None else audio.output
     own = "1,2" if audio is None or audio.channels is None else ",".join(map(str, audio.channels))
-    channels = own if wish.audio_channel is None else wish.audio_channel
+    channels = own if options.audio_channel is None else options.audio_channel
     with named("--audio-channel"):
         _channels(channels)
-    if wish.audio is not None:
-        if wish.tempo_share is not None:
+    if options.audio is not None:
+        if options.tempo_share is not None:
             words = "--tempo-share is for the internal clock: audio has its own tempo"
             raise PersonError(words, "leave out --audio or --tempo-share")
-        path = Path(wish.audio)
+        path = Path(options.audio)
         if is_file(path):
             return Sound(music=_music(path), output=output, path=path)
-        what = "there is no such file, and " if path.suffix or "/" in wish.audio else ""
-        return Sound(device=_device(wish.audio, f"--audio {wish.audio!r}", what), channels=channels)
-    if wish.bpm is not None or wish.practises:
+        what = "there is no such file, and " if path.suffix or "/" in options.audio else ""
+        return Sound(device=_device(options.audio, f"--audio {options.audio!r}", what), channels=channels)
+    if options.bpm is not None or options.is_practice:
         return Sound()
     if audio is not None and audio.device is not None:
         return Sound(device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels)
@@ -274,12 +274,12 @@ class SessionAudio:
             self.source.stop()
 
 
-def start_tempo(wish: Wish, loaded: LoadedShow, sound: Sound) -> float | None:
-    """Return the starting tempo [bpm]; None if the patch's music is played, which has its own tempo and downbeat."""
-    if wish.practises:
-        return practice_tempo(wish, loaded)
-    if wish.bpm is not None:
-        return wish.bpm
-    if wish.midi_file is not None:
-        return min(max(read_song(wish.midi_file).tempo, SLOWEST), FASTEST)
+def start_tempo(options: LaunchOptions, loaded: LoadedShow, sound: Sound) -> float | None:
+    """Return the starting tempo [bpm]; None if the patch's music is options, which has its own tempo and downbeat."""
+    if options.is_practice:
+        return practice_tempo(options, loaded)
+    if options.bpm is not None:
+        return options.bpm
+    if options.midi_file is not None:
+        return min(max(read_song(options.midi_file).tempo, SLOWEST), FASTEST)
     return None if sound.known else loaded.patch.clock.bpm

@@ -6,7 +6,7 @@ from pathlib import Path
 import psutil
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.processes.resume_state import Resumed
 from live.app.session_audio import Sound
 from live.base.errors import PersonError
@@ -22,10 +22,16 @@ class Records:
     """Journal and status file of a show. With a supervisor, the supervisor writes the journal. Thread: the show's."""
 
     def __init__(
-        self, wish: Wish, loaded: LoadedShow, sound: Sound, *, lifeline: Lifeline | None, resumed: Resumed | None
+        self,
+        options: LaunchOptions,
+        loaded: LoadedShow,
+        sound: Sound,
+        *,
+        lifeline: Lifeline | None,
+        resumed: Resumed | None,
     ) -> None:
         """Write nothing yet. `resumed`: the show that is resumed and whose records already exist."""
-        self._wish, self._loaded, self._sound = wish, loaded, sound
+        self._options, self._loaded, self._sound = options, loaded, sound
         self._lifeline, self._resumed = lifeline, resumed
         self._journal: JournalWriter | None = None
         self._relay: RelaySink | None = None
@@ -33,12 +39,12 @@ class Records:
 
     def open_status(self, status: Status) -> None:
         """Open the status file, if there is to be one; raise PersonError if it cannot be written."""
-        if self._wish.status_json is None:
+        if self._options.status_json is None:
             return
         try:
-            self._status_file = StatusFile(self._wish.status_json, status, more=self._resumed is not None)
+            self._status_file = StatusFile(self._options.status_json, status, more=self._resumed is not None)
         except OSError as error:
-            raise PersonError(f"cannot write --status-json {self._wish.status_json}: {error.strerror}") from None
+            raise PersonError(f"cannot write --status-json {self._options.status_json}: {error.strerror}") from None
 
     def open_journal(
         self, engine: Engine, status: Status, *, tempo: float | None, origin: float, begun: float | None
@@ -50,12 +56,12 @@ class Records:
         """
         header = self._loaded.header(engine.show, tempo=tempo, music=self._sound.path)
         if self._lifeline is not None:
-            self._relay = RelaySink(self._lifeline, self._wish.journal)
+            self._relay = RelaySink(self._lifeline, self._options.journal)
             header |= {"origin": origin, "begun": begun}
             self._journal = JournalWriter(Path(), None if self._resumed else header, sink=self._relay)
-        elif self._wish.journal is not None:
+        elif self._options.journal is not None:
             try:
-                self._journal = JournalWriter(self._wish.journal, header)
+                self._journal = JournalWriter(self._options.journal, header)
             except JournalError as error:
                 raise PersonError(str(error)) from None
         else:

@@ -7,7 +7,7 @@ import moderngl
 from rich.console import Console
 
 from live.app.adaptive_quality import DrawingWatch, watch_shaders
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.live_recording import LiveRecording, LiveSharing, live_rate
 from live.app.output_config import places_of
 from live.app.projector_setup import OutputSetup, set_up
@@ -33,11 +33,11 @@ class Picture(Projection):
 
     @classmethod
     def opened(
-        cls, wish: Wish, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False,
+        cls, options: LaunchOptions, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, hidden: bool = False,
         venue: "Venue | None" = None,
     ) -> "Picture":  # fmt: skip
         """Open the windows; `hidden`: they are invisible until revealed. Raise PersonError if that fails."""
-        places = places_of(wish, venue, monitor=monitor, fullscreen=fullscreen, hidden=hidden)
+        places = places_of(options, venue, monitor=monitor, fullscreen=fullscreen, hidden=hidden)
         try:
             return cls(scene, places)
         except (NoWindow, UnknownMonitor) as error:
@@ -62,13 +62,13 @@ class Takers:
     ) -> None:
         """Make those of the options; raise PersonError if one fails. `sharing`: already made, closed elsewhere."""
         self._lent = sharing
-        wish, music, fps = session.wish, session.sound.music, live_rate(session.wish, ctx)
+        options, music, fps = session.options, session.sound.music, live_rate(session.options, ctx)
         self._calls = Bulkhead()
         self._all: list[LiveRecording | LiveSharing] = []
-        if wish.record is not None:
-            self._all.append(LiveRecording(wish.record, ctx, size, fps, music))
-        if wish.share:
-            sharing = sharing or LiveSharing(wish.share, ctx, size, fps, music)
+        if options.record is not None:
+            self._all.append(LiveRecording(options.record, ctx, size, fps, music))
+        if options.share:
+            sharing = sharing or LiveSharing(options.share, ctx, size, fps, music)
             self._all.append(sharing)
             session.status.notes.append(sharing.words)
             session.status.more["shared"] = sharing.facts
@@ -98,7 +98,7 @@ def play_in_window(
     session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console
 ) -> None:
     """Run the show in its windows until one is closed or the time limit is reached."""
-    picture = Picture.opened(session.wish, scene, monitor=monitor, fullscreen=fullscreen, venue=session.venue)
+    picture = Picture.opened(session.options, scene, monitor=monitor, fullscreen=fullscreen, venue=session.venue)
     try:
         play_picture(session, scene, picture, console=console)
     finally:
@@ -161,7 +161,7 @@ def _frames(
         picture.draw(view)
         watch.times.mark("draw")
 
-    rate = live_rate(session.wish, window.ctx, window.monitor.refresh_hz)
+    rate = live_rate(session.options, window.ctx, window.monitor.refresh_hz)
     display = rate == window.monitor.refresh_hz  # the buffer swap paces the loop
     if display:
         rate = min(rate * PACE_ABOVE, 1000.0)

@@ -103,7 +103,7 @@ def _parameter(where: str, kind: str, name: str, comment: str) -> OwnParameter:
     if kind != "float":
         raise PersonError(f"{where}: uniform {name!r} is a {kind}", "only `uniform float` can be set")
     if name in KNOWN:
-        raise PersonError(f"{where}: {name!r} is there already", "leave the line out, or call yours something else")
+        raise PersonError(f"{where}: {name!r} is predefined", "remove the line, or choose another name")
     words = comment.split(maxsplit=3)
     try:
         low, high, start = (float(word) for word in words[:3])

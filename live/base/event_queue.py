@@ -3,8 +3,8 @@
 A flood in a lane pushes out only that lane's items. An unread item with a key is replaced by a later one of the same
 key, so only the last value counts.
 
-If several senders set the same thing, the higher rank wins: operator before musician before audience. While a higher
-rank sets a value more often than once a second, lower ranks' values for it are rejected and counted.
+If several senders set the same thing, the higher rank wins: operator before musician before audience. For `HELD`
+seconds after a higher rank has set a value, lower ranks' values for it are rejected and counted.
 """
 
 from collections import deque

@@ -53,15 +53,15 @@ class PartFaults:
         self.traces.append(error)
         if count & (count - 1) == 0:  # at powers of two, so that a failure in each frame does not fill the terminal
             often = "" if count == 1 else f" ({count} times by now)"
-            self._news = f"{part} failed and goes on{often}: {words}"
+            self._news = f"{part} failed and continues{often}: {words}"
 
     def rest(self, part: str) -> None:
         """Record that a part is skipped for a while."""
-        self.resting[part] = self._news = f"{part} fails again and again and is left out for a while: {self.last[part]}"
+        self.resting[part] = self._news = f"{part} fails repeatedly and is skipped for a while: {self.last[part]}"
 
     def wait(self, part: str) -> None:
         """Record that a part is not available yet and is retried."""
-        self.resting[part] = self._news = f"{part} is tried again until it goes well: {self.last[part]}"
+        self.resting[part] = self._news = f"{part} is retried until it works: {self.last[part]}"
 
     def works(self, part: str) -> None:
         """Record that a part works again."""

@@ -101,8 +101,8 @@ def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camer
     angle = float(np.rad2deg(2.0 * np.arctan(1.0 / scale)))
     if not ANGLES[0] <= angle <= ANGLES[1]:
         raise PersonError(
-            f"from there the picture would have an angle of view of {angle:.1f} degrees, {ANGLES[0]:g} to "
-            f"{ANGLES[1]:g} can be", "measure `at` and the corners again",
+            f"from there the picture would have an angle of view of {angle:.1f} degrees; allowed are {ANGLES[0]:g} to "
+            f"{ANGLES[1]:g}", "measure `at` and the corners again",
         )  # fmt: skip
     reach = float(depth.mean())
     level = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9999 else (0.0, 0.0, -1.0))

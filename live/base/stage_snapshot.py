@@ -167,7 +167,7 @@ class StageView:
     element_level: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
     """Current strength of each element, 0 to 1 (it fades in and out), shape (256,)."""
     element_radius: Float32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.float32))
-    """Radius of a point element, half width of a line [m], shape (256,)."""
+    """Radius of a point's disc, or of the band around a line [m], shape (256,)."""
     element_strength: Float32 = field(default_factory=lambda: np.ones(ELEMENT_CAPACITY, np.float32))
     """Strength; 1 is the default; a negative flow is reversed, shape (256,)."""
     element_flow: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))

@@ -76,10 +76,10 @@ def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.show.desk.completions import names_of
 
-    loaded = Wish(patch=patch, steps=steps).load()
+    loaded = LaunchOptions(patch=patch, steps=steps).load()
     stage = loaded.patch.stage
     return names_of(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)
 

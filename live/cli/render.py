@@ -57,21 +57,21 @@ def render(
     film = film_name(out, "--out", alpha=alpha, never=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.app.offline.film import film_show
     from live.app.session_audio import choose_sound
 
-    wish = Wish(
+    options = LaunchOptions(
         patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate,
         midi_file=midi_file,
     )  # fmt: skip
-    loaded = wish.load()
-    sound = choose_sound(wish, loaded)
+    loaded = options.load()
+    sound = choose_sound(options, loaded)
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
     film_show(
-        wish, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
+        options, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
         click=click, taps=taps, alpha=alpha,
     )  # fmt: skip
     console.print(f"the film is here: {film.resolve()}", soft_wrap=True, markup=False)

@@ -101,7 +101,7 @@ class DanceFigures:
 
     @cached_property
     def joins(self) -> tuple[Float64, Float64]:
-        """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint at each join of two clips, (K,)."""
+        """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint at each join, (K,) each."""
         rate, join = self.dance.clip.sample_rate, self.dance.join
         change, acceleration = at_samples(self.position, rate)
         middle = join.mean(axis=1)

@@ -53,7 +53,7 @@ class MotionGraph:
     node_rise: Float64
     """When in each measure a correction is applied: share and rate at its knots (root_warp), shape (N, 65, 2)."""
     node_gives: Float64
-    """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about the
+    """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about
         clip's axes, shape (N, 16)."""
     node_holds: Float64
     """Share of a correction that is applied before the left and the right foot are first lifted, (N, 2)."""
@@ -109,8 +109,8 @@ def build_graph(
     the next, without cost (T039). Named poses in which steps begin and end must agree (T136), and a step that transfers
     the weight is repeated on the other side (T135). Dead ends are pruned (T037); with `prune` False they stay, for
     searches that fix the end of a dance (T064). `interval`: share of a measure by which steps may end and begin off its
-    line (T140); the graph's library has the moved lines. ValueError if no two measures connect, unless nothing is pruned,
-    or for more edges than fit into memory.
+    line (T140); the graph's library has the moved lines. ValueError if no two measures connect, unless nothing is
+    pruned, or for more edges than fit into memory.
     """
     rule = JoinRule(window, threshold, Metric.of() if metric is None else metric, prune)
     library = retimed(library, rule, interval)

@@ -101,8 +101,8 @@ def moments_of(library: StepLibrary) -> Moments:
 def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64, Float64, Float64]:
     """Return features (..., F), hips x, z (..., 2) [m] and heading (...) [rad] of bodies.
 
-    `position` (..., J, 3) [m] and `speed` (..., J, 3) [m per measure] are those of their joints; `stands` (..., 2): left
-    and right foot on the floor.
+    `position` (..., J, 3) [m] and `speed` (..., J, 3) [m per measure] are those of the joints; `stands` (..., 2):
+    left and right foot on the floor.
     """
     facing = heading_of(position)
     hips = np.ascontiguousarray(position[..., 0, ::2], np.float64)
@@ -194,8 +194,8 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
 
 
 def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
-    """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and the
-    share that each foot standing at the beginning tolerates, (N, 2)."""
+    """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and
+    the share applied before each foot is first lifted, (N, 2)."""
     legs = _legs(library)
     rises, gives, holds = [], [], []
     for first, last in zip(library.node_first, library.node_last, strict=True):

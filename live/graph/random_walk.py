@@ -23,7 +23,7 @@ def random_walk(graph: MotionGraph, measures: int, *, seed: int, start: int | No
         begins = np.flatnonzero(graph.alive & (library.node_measure == 0))
         start = int(chance.choice(begins))
     elif not (0 <= start < library.node_count and graph.alive[start]):
-        raise ValueError(f"a walk cannot begin at node {start}: it is no part of an endless dance")
+        raise ValueError(f"a walk cannot begin at node {start}: no endless dance contains it")
     walk = np.empty(measures, np.int32)
     walk[0] = start
     for n in range(1, measures):

@@ -95,9 +95,9 @@ def assemble(
 
     `turns` (M,) [rad] are inserted while one foot supports (T048-T050). `corrections` (M, 2) [m] displace the hips over
     each measure. `takes` are a node (M,) and a share (M,) from 0 to 1 of another take of the same measure to mix in
-    (T069; NO_TAKE for none). The hips begin at `start` x, z [m], facing its third number [rad]. Blends end on the measure
-    lines, weights are C1 (K004), rotations use SLERP, the root is linear, and the graph's rigid transform places each
-    clip (K001). `hold_feet`: supporting feet stay in place and no sole goes below the floor. There are `sample_rate`
+    (T069; NO_TAKE for none). The hips begin at `start` x, z [m], facing its third number [rad]. Blends end on measure
+    lines, weights are C1 (K004), rotations use SLERP, the root is linear, the graph's rigid transform places each clip
+    (K001). `hold_feet`: supporting feet stay in place and no sole goes below the floor. There are `sample_rate`
     samples a second; the last one is at or before the last line. ValueError for a pair of nodes without an edge, arrays
     of other lengths or a dance that is too long.
     """

@@ -144,7 +144,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
 
 
 def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
-    """Return the clips of `first` followed by those of `second`, equal to the result of `build_library` for all of them.
+    """Return the clips of `first` followed by those of `second`, as `build_library` joins all of them.
 
     Nodes, clips and steps of `first` keep their indices; no mutable data is shared. ValueError if the metres differ.
     """

@@ -16,8 +16,8 @@ Int64 = npt.NDArray[np.int64]
 def one_sign(rotation: Float32, clip_start: Int64) -> None:
     """Make the signs of rotations (S, J, 4) consistent for interpolation, in place.
 
-    Within a clip each quaternion is nearest to the one before; the sign of each joint's sequence is the one that is nearest
-    to the rest pose where they are closest. `clip_start` (clips + 1,): starts of the clips, and the end of the last.
+    Within a clip each quaternion is nearest to the one before; the sign of each joint's sequence is the one nearest to
+    the rest pose where they are closest. `clip_start` (clips + 1,): starts of the clips, and the end of the last.
     """
     for clip in range(clip_start.shape[0] - 1):
         first, last = clip_start[clip], clip_start[clip + 1]
@@ -53,7 +53,7 @@ def rotation_moments(rotation: Float32, first: Int64, last: Int64, out: Float64)
 
 @kernel("void(f4[:,:,::1],i8[::1],i8[::1],f8[:,:,::1],f8[:,:,::1])")
 def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, out: Float64) -> None:
-    """Write the mean rotation vector from `centre` (N, J, 4) over samples first to last of N nodes into out (N, J, 3)."""
+    """Write mean rotation vectors from `centre` (N, J, 4) over samples first to last of N nodes to out (N, J, 3)."""
     for n in range(first.shape[0]):
         count = float(last[n] + 1 - first[n])
         for j in range(rotation.shape[1]):

@@ -1,4 +1,4 @@
-"""The step library on disk: motion files, what is written about them, caches.
+"""The step library on disk: motion files, their TOML descriptions, and caches.
 
 It may import `graph`, `agents`, `control`, `render` and what these may.
 """

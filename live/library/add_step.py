@@ -1,6 +1,6 @@
-"""Adding a step to a library: everything is checked and cut before anything is written; nothing is written over.
+"""Adding a step to a library, for `live steps add`.
 
-What is asked of `live steps add`: a recording as the options describe it, and what the library knows of it.
+Everything is checked and cut before anything is written, and no file is overwritten with other contents.
 """
 
 import json
@@ -37,7 +37,7 @@ OPTIONS: Final = {
     "file": "FILE", "unit_m": "--unit", "first_beat_s": "--anchor", "start_measure": "--start",
     "distance_m": "--distance", "tags": "--tag",
 }  # fmt: skip
-"""Options of `live steps add` that are not called like the field."""
+"""Options of `live steps add` whose names differ from the field's."""
 READING: Final = ("fps", "unit_m", "up")
 MUSIC: Final = frozenset(("bpm", "first_beat_s"))
 CUT: Final = (
@@ -46,25 +46,25 @@ CUT: Final = (
 
 
 class AskedEntry(RecordingEntry):
-    """A recording as it was asked for on the command line; problems name the option."""
+    """A recording as requested on the command line; problems name the option."""
 
     @property
     def path(self) -> Path:
-        """The motion file, where it lies now."""
+        """Present path of the motion file."""
         return Path(self.recording.file)
 
     @property
     def skeleton(self) -> Path | None:
-        """The file of its skeleton, where it lies now."""
+        """Present path of its skeleton file."""
         return None if self.recording.skeleton is None else Path(self.recording.skeleton)
 
     def problem(self, field: str, words: str) -> Problem:
-        """A problem with one option."""
+        """Return a problem with one option."""
         return asked_problem(self.path, field, words)
 
 
 def asked_problem(path: Path, field: str, words: str) -> Problem:
-    """A problem with what was asked of the file at `path`, by the option's name."""
+    """Return a problem with an option for the file at `path`."""
     option = OPTIONS.get(field, "--" + field.replace("_", "-"))
     if field == "file":
         return Problem(path, None, "", words.removeprefix(str(path)).lstrip(" ,:"))
@@ -72,7 +72,7 @@ def asked_problem(path: Path, field: str, words: str) -> Problem:
 
 
 def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
-    """The recording that is asked for; RecordingError that names the options that are wrong or missing."""
+    """Return the requested recording; RecordingError names the options that are wrong or missing."""
     try:
         recording = Recording.model_validate({"file": str(source), **fields})
     except ValidationError as error:
@@ -82,7 +82,7 @@ def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
             problems.append(asked_problem(source, str(one["loc"][0]), words))
         raise error_of(problems) from None
     if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
-        try:  # it must come into the library, too
+        try:  # the skeleton is copied into the library, too
             recording = Recording.model_validate(
                 {"file": str(source), **fields, "skeleton": str(skeleton_beside(source))}
             )
@@ -96,11 +96,10 @@ def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
 
 
 def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """What the library says already of reading the recording `source` and of its music, where `given` is silent.
+    """Return what the library states about reading the recording `source` and about its music, for keys not in `given`.
 
-    With it the comments behind tempo and first beat that say that they are guesses: they are, as long as nobody has
-    taken the comments away. Both are taken over together with the frames left out, for times count from the first one
-    kept.
+    The second value holds the comments that mark tempo and first beat as guesses. Both are adopted together with
+    `drop_frames`, because times count from the first frame kept.
     """
     try:
         files = read_step_files(library)
@@ -119,7 +118,7 @@ def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dic
 
 
 def refuse_again(library: Path, asked: AskedEntry) -> None:
-    """PersonError if the library has this cut of this recording under this name already."""
+    """Raise PersonError if the library already has this cut of this recording under this name."""
     try:
         entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
         same = [entry for entry in entries if all(_said(entry, key) == _said(asked, key) for key in CUT)]
@@ -148,7 +147,7 @@ MOST_NAMES: Final = 1000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Added:
-    """What was added, and where."""
+    """The step that was added, and its files."""
 
     step: StepClip
     entry: RecordingEntry
@@ -165,11 +164,11 @@ def add_step(
     comments: Mapping[str, str] | None = None,
     reader: RecordingReader | None = None,
 ) -> Added:
-    """Cut the step, then bring its recording and its description into the folder `library`, which may be new.
+    """Cut the step, then add its recording and its description to the folder `library`, which may be new.
 
-    A recording that lies in the library already is named where it is; another is copied. The description joins the
-    TOML file of the recording's name. `comments` stand behind the lines of their fields. Raises PersonError; then the
-    library is as it was.
+    A recording inside the library is used in place; any other is copied. The description goes to the TOML file with
+    the recording's name. `comments` are written behind the lines of their fields. On a PersonError the library is
+    unchanged.
     """
     step = cut_step(entry, (reader or RecordingReader()).clip(entry))
     if not entry.path.resolve().is_relative_to(library.resolve()):
@@ -196,10 +195,10 @@ def add_step(
 
 
 def _refuse_parts(entry: AskedEntry) -> None:
-    """RecordingError for a .gltf file that keeps its motion in other files: they would be left behind."""
+    """Raise RecordingError for a .gltf file with its motion in other files, which would not be copied."""
     if entry.path.suffix.lower() != ".gltf":
         return
-    buffers = json.loads(entry.path.read_bytes()).get("buffers", [])  # it was read before: it is well formed
+    buffers = json.loads(entry.path.read_bytes()).get("buffers", [])  # already parsed, so well formed
     others = [one["uri"] for one in buffers if not one.get("uri", "data:").startswith("data:")]
     if others:
         words = f"its motion lies in {others[0]}; export it as one file (.glb), or put both into the library first"
@@ -218,7 +217,7 @@ def _names(folder: Path, stem: str, ending: str) -> Iterator[Path]:
 
 
 def _brought_in(library: Path, source: Path, made: list[Path]) -> Path:
-    """The file inside the library that is `source`: itself, one of the same contents, or a copy under a free name."""
+    """Return the file for `source` in the library: itself, one with the same contents, or a copy with a free name."""
     inside, whole = library.resolve(), source.resolve()
     if whole.is_relative_to(inside):
         return whole
@@ -238,7 +237,7 @@ def _brought_in(library: Path, source: Path, made: list[Path]) -> Path:
 def _described(
     library: Path, stem: str, fields: Mapping[str, Any], comments: Mapping[str, str] | None, made: list[Path]
 ) -> Path:
-    """The TOML file that now holds the description: the first of the stem's names that can take it."""
+    """Write the description to the first of the stem's TOML files that can take it, and return that file."""
     for path in _names(library, stem, ".toml"):
         before = path.read_bytes().decode("utf-8", errors="replace") if path.is_file() else ""
         if path.exists() and ("\ufffd" in before or not path.is_file()):
@@ -257,14 +256,14 @@ def _described(
 
 
 def _is_good(text: str, path: Path) -> bool:
-    """Whether a file can be read with the step added; one that could not be read before is left alone."""
+    """Whether the file is valid with the step added; a file that was invalid before is left alone."""
     files = StepFiles()
     parse_step_file(text, path, files)
     return not files.problems and bool(files.recordings.get(path))
 
 
 def _replace(path: Path, text: str) -> None:
-    """All of the new text or all of the old, whatever happens in between."""
+    """Replace the text atomically."""
     handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".tmp", dir=path.parent)
     unfinished = Path(name)
     try:

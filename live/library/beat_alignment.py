@@ -1,8 +1,6 @@
-"""Where the beats lie in a recording: by claps to a click or a song, else guessed; what a person says wins.
+"""Alignment of recordings with the beat: from claps to a click or a song, else guessed; given values have priority.
 
-The music to which a recording was danced, from an audio file: where its beats fall.
-
-Guesses: tempo and first beat that nobody has confirmed, by the comment behind them in the TOML file (T017).
+Unconfirmed guesses of tempo and first beat are marked by a comment in the TOML file (T017).
 """
 
 from dataclasses import dataclass
@@ -36,19 +34,19 @@ from live.motion.retarget.retarget import retarget
 
 BLOCK: Final = 65536
 EVEN: Final = 0.025
-"""Beats of which most lie this near [s] to an even grid are from music that keeps its tempo: then that is meant."""
+"""If most beats lie this near [s] to an even grid, the music keeps its tempo and the grid is used."""
 MOST: Final = 0.7
 PERIODS: Final = (0.25, 1.5)
-"""Seconds per beat that are looked for: 240 to 40 bpm."""
+"""Range of seconds per beat: 240 to 40 bpm."""
 LISTENED: Final = 240.0
-"""Seconds of beats by which the grid is found; whoever claps does so at the beginning."""
+"""Seconds of beats from which the grid is fitted; claps are at the beginning."""
 SHARE_OF_BEST: Final = 0.6
-"""Periods whose phase vector is shorter than this share of the longest are not tried."""
+"""Periods with a phase vector shorter than this share of the longest are not tried."""
 TRIED: Final = 12
 FEWEST_BEATS: Final = 6
-"""Fewer beats than this are no music."""
+"""Least number of beats of a song."""
 AUDIBLE: Final = 0.02
-"""The song begins where it first is this loud (share of its loudest 10 ms)."""
+"""The song begins where its level first reaches this share of its loudest 10 ms."""
 EARLY: Final = 0.25
 """A beat may lie this far [beats] before the first sound."""
 
@@ -59,7 +57,7 @@ class SongBeats:
 
     beats: Float64
     even: bool
-    """True if the song keeps its tempo: then the beats are those of a grid through all that was heard."""
+    """True if the song keeps its tempo: the beats are then those of a fitted grid."""
 
     @property
     def bpm(self) -> float:
@@ -68,9 +66,9 @@ class SongBeats:
 
 
 def song_beats(path: Path) -> SongBeats:
-    """All beats of an audio file, from its first sound to its end; PersonError if it cannot be read or has no beat.
+    """Return all beats of an audio file, from first sound to end; PersonError if it cannot be read or has no beat.
 
-    The beat tracker hears the first beats only after some seconds; where the song keeps its tempo the grid is carried
+    The beat tracker finds the first beats only after some seconds. If the song keeps its tempo, the grid is extended
     back to its first sound.
     """
     try:
@@ -90,7 +88,7 @@ def song_beats(path: Path) -> SongBeats:
 
 
 def _heard(music: Music) -> tuple[Float64, float]:
-    """Beats as the tracker hears them, ascending and apart, and the period it hears most of the time [s]."""
+    """The tracker's beats, ascending and without doubles, and its median period [s]."""
     tracker = AubioTracker(float(music.sample_rate))
     mono = music.samples.mean(axis=1, dtype=np.float32)
     estimates = [beat for at in range(0, mono.size, BLOCK) for beat in tracker.feed(mono[at : at + BLOCK])]
@@ -105,10 +103,10 @@ def _heard(music: Music) -> tuple[Float64, float]:
 
 
 def _even_grid(heard: Float64, period: float) -> tuple[float, float] | None:
-    """Period and offset [s] of the grid on which most beats lie; None where the tempo changes.
+    """Period and offset [s] of the grid on which most beats lie; None if the tempo changes.
 
-    The mean phase vector of the beats is long at the right period and its parts; of those the one nearest to what the
-    tracker said is meant.
+    The mean phase vector of the beats is long at the right period and its fractions; of those the one nearest to the
+    tracker's period is taken.
     """
     step = 0.05 * period / max(float(heard[-1] - heard[0]), 1.0)
     tries = PERIODS[0] * np.exp(np.arange(0.0, np.log(PERIODS[1] / PERIODS[0]), step))
@@ -123,7 +121,7 @@ def _even_grid(heard: Float64, period: float) -> tuple[float, float] | None:
 
 
 def _fitted(heard: Float64, slope: float) -> tuple[float, float] | None:
-    """Period and offset [s] refined over the beats that lie near the grid; None if too few do."""
+    """Period and offset [s] refined over the beats near the grid; None if they are too few."""
     offset = float(np.angle(np.mean(np.exp(2j * np.pi * heard / slope)))) / (2.0 * np.pi) * slope
     for _ in range(4):
         numbers = np.round((heard - offset) / slope)
@@ -135,7 +133,7 @@ def _fitted(heard: Float64, slope: float) -> tuple[float, float] | None:
 
 
 def _first_sound(music: Music) -> float:
-    """When the song begins to be heard [s]."""
+    """Time of the song's first sound [s]."""
     step = max(1, round(0.01 * music.sample_rate))
     whole = music.samples.shape[0] // step * step
     if whole == 0:
@@ -145,16 +143,16 @@ def _first_sound(music: Music) -> float:
 
 
 HEARD: Final = {"click": "from claps to the click", "song": "from claps to the song"}
-"""What rests on nothing but claps may rest on something else that hands do: it is confirmed, like a guess."""
+"""Sources that count as confirmed; claps alone may be other hand movements, so a person confirms them like a guess."""
 DOUBTED: Final = 0.3
-"""Claps with less confidence contradict each other: what they say is a guess."""
+"""Claps with less confidence contradict each other: their result counts as a guess."""
 GUESS: Final = "guess: confirm"
-"""The comment behind a number in a TOML file that nobody has confirmed."""
+"""The comment behind an unconfirmed number in a TOML file."""
 
 
 @dataclass(frozen=True, slots=True)
 class SyncWish:
-    """What a person says about a recording and its music; None: find it."""
+    """What the user gives about a recording and its music; None: to be found."""
 
     file: Path
     skeleton: Path | None = None
@@ -163,7 +161,7 @@ class SyncWish:
     drop_frames: int | None = None
     click_bpm: float | None = None
     count: int | None = None
-    """Beats that were clapped to the click."""
+    """Number of beats clapped to the click."""
     song: Path | None = None
     anchor_s: float | None = None
     """First beat of the first measure, from the first frame that is kept [s]."""
@@ -173,34 +171,34 @@ class SyncWish:
 
 @dataclass(frozen=True, slots=True)
 class Sync:
-    """What was found."""
+    """The music reference that was found, and the claps."""
 
     reference: MusicReference
     claps: tuple[PlacedClap, ...]
     drop_frames: int
     fps: float
-    """Frames per second, as used."""
+    """The frame rate that was used."""
 
     @property
     def guessed(self) -> bool:
-        """Whether what no hand has set is a guess: not from at least four claps that agree with a click or a song."""
+        """Whether values not set by hand are guesses, not from at least four claps that fit a click or a song."""
         clapped = sum(one.beat is not None for one in self.claps)
         return self.reference.source not in HEARD or self.reference.confidence < DOUBTED or clapped < FEWEST
 
     @property
     def comment(self) -> str:
-        """What a TOML file says behind tempo and first beat, where no hand has set them."""
+        """Comment for a TOML file behind tempo and first beat, if they were not set by hand."""
         if self.guessed:
             return GUESS
         return f"{HEARD[self.reference.source]}, confidence {self.reference.confidence:.2f}"
 
 
 def find_sync(wish: SyncWish) -> Sync:
-    """The music reference of a recording.
+    """Return the music reference of a recording.
 
-    In this order: what a person has set; claps to the beats of `song`; claps to a click of `click_bpm`; claps alone;
-    the feet (with the tempo of the click, the song or `bpm`, where one is given). Raises PersonError where the file
-    cannot be read or nothing is found.
+    Its sources in this order: values set by the user; claps to the beats of `song`; claps to a click of `click_bpm`;
+    claps alone; the feet (with the tempo of the click, the song or `bpm`, if given). PersonError if the file cannot be
+    read or nothing is found.
     """
     beats = None if wish.song is None else song_beats(wish.song)
     try:
@@ -209,7 +207,7 @@ def find_sync(wish: SyncWish) -> Sync:
     except MotionFileError as error:
         raise PersonError(str(error)) from None
     drop = wish.drop_frames
-    if drop is None:  # whoever sets the anchor counts from the file's first frame, unless she says what is left out
+    if drop is None:  # a given anchor counts from the file's first frame, unless drop_frames is given
         drop = find_beginning(tracks).drop_frames if wish.anchor_s is None else 0
     if drop >= tracks.frame_count:
         raise PersonError(f"--drop-frames {drop}: the recording has {tracks.frame_count} frames")
@@ -224,7 +222,7 @@ def find_sync(wish: SyncWish) -> Sync:
     elif known is not None:
         found = sync_to_click(claps, known, wish.count)
         if wish.click_bpm is None and found is not None and sum(one.beat is not None for one in found.claps) < FEWEST:
-            found = None  # nobody has said that there are claps: a touch or two on the beat are dancing
+            found = None  # no click was given: one or two touches of the hands on the beat belong to the dance
     else:
         found = sync_to_claps(claps)
     reference = None if found is None else found.reference
@@ -234,9 +232,9 @@ def find_sync(wish: SyncWish) -> Sync:
     reference = set_by_hand(reference, anchor_s=wish.anchor_s, bpm=wish.bpm)
     if reference is None:
         raise PersonError(
-            f"{wish.file}: nobody claps, and {tracks.frame_count / tracks.rate:.1f} s of it are too few or too still "
-            "to guess a tempo",
-            "say both: --anchor SECONDS --bpm BPM",
+            f"{wish.file}: no claps were found, and {tracks.frame_count / tracks.rate:.1f} s of it are too short or "
+            "too still to guess a tempo",
+            "give both: --anchor SECONDS --bpm BPM",
         )
     return Sync(reference, _listed(claps, found), drop, tracks.rate)
 
@@ -257,7 +255,7 @@ def _listed(claps: list[Clap], found: ClapSync | None) -> tuple[PlacedClap, ...]
 
 
 def guessed_fields(entry: RecordingEntry, text: str) -> list[str]:
-    """Which of the fields bpm and first_beat_s of one step are marked as guesses in the TOML `text` it comes from."""
+    """Return which of bpm and first_beat_s of a step are marked as guesses in its TOML `text`."""
     lines = text.splitlines()
     found = []
     for field in ("bpm", "first_beat_s"):
@@ -268,12 +266,12 @@ def guessed_fields(entry: RecordingEntry, text: str) -> list[str]:
 
 
 def guess_doubts(entry: RecordingEntry, text: str) -> list[tuple[str, str]]:
-    """Field and words for each guess that stands in the file unconfirmed."""
+    """Return field and message for each unconfirmed guess in the file."""
     return [
         (
             field,
             f"{getattr(entry.recording, field):g} is a guess; look at the step on the beat (live steps play), correct "
-            f"the number, and take the comment {GUESS!r} away",
+            f"the number, and remove the comment {GUESS!r}",
         )
         for field in guessed_fields(entry, text)
     ]

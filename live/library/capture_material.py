@@ -1,4 +1,4 @@
-"""Motion capture as material: whole recordings, with their beats, from files and folders."""
+"""Reader for whole motion capture recordings with their beats, from files and folders, as texture material."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from live.motion.step_clip import StepClip
 from live.motion.texture.foot_constraints import without_calibration
 
 SHORTEST_S: Final = 1.0
-"""Recordings shorter than this [s] hold no movement that could be found again."""
+"""Recordings shorter than this [s] are too short for texture matching."""
 UNBEATEN: Final = "no beat"
 """Tag of a recording in which no beat was found: it cannot be cut at beats."""
 CACHE: Final = ClipCache("material", kept=400, max_bytes=1_000_000_000)
@@ -27,21 +27,20 @@ CACHE: Final = ClipCache("material", kept=400, max_bytes=1_000_000_000)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """What files and folders hold."""
+    """The recordings of files and folders."""
 
     clips: tuple[StepClip, ...]
     """Whole recordings, `first` at the first beat of measure 1, `step` named after the file."""
     passed: tuple[str, ...]
-    """Files of folders that were passed over, and why, a line each."""
+    """Files of folders that were skipped, with the reason, a line each."""
 
 
 def read_material(places: Sequence[Path], *, fps: float | None = None, drop_frames: int | None = None) -> Recorded:
-    """The recordings at `places`, files or folders of them (BVH, AMC, glTF, GLB, VRM, AMASS npz).
+    """Read the recordings at `places`, files or folders of them (BVH, AMC, glTF, GLB, VRM, AMASS npz).
 
-    What TOML files of a folder say of reading a recording there and of its beats is true; for others `fps` is the true
-    rate where headers lie, T-poses are left out (or `drop_frames`), and beats are guessed from the feet. A file
-    of a folder that cannot be used is passed over and told; one that was named raises PersonError, and so does it if
-    nothing is left.
+    TOML files in a folder state how to read its recordings, and their beats. For others `fps` overrides a wrong header
+    rate, T-poses (or `drop_frames`) are removed, and beats are guessed from the feet. An unusable file in a folder is
+    skipped and listed. PersonError for an unusable file that was named, or if nothing is left.
     """
     clips: list[StepClip] = []
     passed: list[str] = []
@@ -72,7 +71,7 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _described(folder: Path) -> dict[Path, Recording]:
-    """What TOML files of the folder say of recordings, by file; nothing where they cannot be read."""
+    """Descriptions of recordings in the folder's TOML files, by file; empty if they cannot be read."""
     try:
         found = read_step_files(folder)
     except PersonError:
@@ -101,7 +100,7 @@ def _made(file: Path, known: Recording | None, fps: float | None, drop: int | No
     if drop >= motion.frame_count:
         raise MotionFileError(str(file), None, f"drop_frames {drop} of {motion.frame_count} frames", "fewer expected")
     clip = retarget(motion, name=file.stem, fps=fps, up=up, drop_frames=drop)
-    if known is None:  # whoever said where the first beat is counts from the first frame kept
+    if known is None:  # described beats count from the first frame kept, so nothing may be removed then
         clip = without_calibration(clip)
     if clip.seconds < SHORTEST_S:
         what = f"{clip.seconds:.2f} s are too short to find movements in"

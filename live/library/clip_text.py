@@ -1,7 +1,6 @@
-"""Clips as text: what a journal needs so that a step whose file has changed, or is gone, can be danced again.
+"""Lossless text encoding of clips, so that a journal can replay steps whose files have changed or are gone.
 
-Every bit is kept. Motion is smooth: the differences from sample to sample, the first bytes of all numbers first, are a
-fifth as long when they are compressed.
+Motion is smooth: differences from sample to sample, grouped by byte position, compress to a fifth of the size.
 """
 
 import base64
@@ -18,12 +17,12 @@ from live.library.disk_cache import arrays_of, clips_of
 from live.motion.step_clip import StepClip
 
 LARGEST: Final = 64_000_000
-"""Bytes of clips that a text may hold: a damaged one asks for no more memory."""
+"""Largest decoded size in bytes; limits the memory for a damaged text."""
 _NUMBERS: Final = ("root", "rotation")
 
 
 def clips_to_text(clips: Sequence[StepClip]) -> str:
-    """The clips, bit by bit, as letters; none are an empty text."""
+    """Encode the clips losslessly as ASCII; no clips give an empty text."""
     if not clips:
         return ""
     arrays = arrays_of(clips)
@@ -36,7 +35,7 @@ def clips_to_text(clips: Sequence[StepClip]) -> str:
 
 
 def clips_from_text(text: str) -> list[StepClip]:
-    """The clips that `clips_to_text` wrote; ValueError for anything else."""
+    """Decode the clips that `clips_to_text` wrote; ValueError for anything else."""
     if not text:
         return []
     try:
@@ -57,14 +56,14 @@ def clips_from_text(text: str) -> list[StepClip]:
 
 
 def _planes(values: npt.NDArray[np.float32]) -> npt.NDArray[np.uint8]:
-    """Differences along the first axis of `values` (T, ...), taken as whole numbers, by bytes: (4, N)."""
+    """Differences along the first axis of `values` (T, ...), as integers, split by byte: (4, N)."""
     whole = np.ascontiguousarray(values, np.float32).reshape(len(values), -1).view(np.uint32)
     whole[1:] -= whole[:-1].copy()
     return np.ascontiguousarray(np.ascontiguousarray(whole.T).view(np.uint8).reshape(-1, 4).T)
 
 
 def _numbers(planes: npt.NDArray[np.uint8], shape: tuple[int, ...]) -> npt.NDArray[np.float32]:
-    """The values of this `shape` whose `_planes` these are."""
+    """Inverse of `_planes` for values of this `shape`."""
     whole = np.ascontiguousarray(planes.T).reshape(-1).view(np.uint32).reshape(-1, shape[0]).T
     summed = np.add.accumulate(whole, axis=0, dtype=np.uint32)
     return np.ascontiguousarray(summed).view(np.float32).reshape(shape)

@@ -1,4 +1,4 @@
-"""Cutting a step out of a recording: whole measures, one more as lead-in, and what is said of it (T039, T040)."""
+"""Cutting of a step out of a recording: whole measures, a measure of lead-in, and its attributes (T039, T040)."""
 
 import math
 from dataclasses import replace
@@ -16,17 +16,17 @@ Float = npt.NDArray[np.floating]
 Float32 = npt.NDArray[np.float32]
 
 TAIL_SAMPLES: Final = 8
-"""Samples after the last measure, so that reading at its very end needs no special case."""
+"""Samples after the last measure, so that sampling at its very end needs no special case."""
 _Y: Final = np.array((0.0, 1.0, 0.0))
 _Z: Final = np.array((0.0, 0.0, 1.0))
 
 
 def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
-    """The measures of one step, cut out of the whole recording's clip.
+    """Cut the measures of one step out of the whole recording's clip.
 
-    A whole measure of lead-in comes before them (where the recording begins later, its first sample is held). At the
-    first downbeat the hips stand at x = z = 0 and face +z, so that any step can follow any other. Beats fall where
-    they fall between samples: `StepClip.first` is a fraction.
+    A measure of lead-in precedes them (if the recording begins later, its first sample is held). At the first
+    downbeat the hips stand at x = z = 0 and face +z, so that any step can follow any other. Beats may fall between
+    samples: `StepClip.first` is fractional.
     """
     recording = entry.recording
     measure = recording.beats_per_measure * 60.0 / recording.bpm * clip.sample_rate
@@ -75,7 +75,7 @@ def _too_long(entry: RecordingEntry, clip: Clip, measure: float) -> RecordingErr
 
 
 def _placed(clip: Clip, samples: npt.NDArray[np.int64], at: float) -> tuple[Float32, Float32]:
-    """Root and rotations of `samples`, moved and turned about y so that the sample `at` stands at 0 facing +z."""
+    """Root and rotations of `samples`, moved and turned about y so that the sample `at` is at the origin facing +z."""
     before = min(int(at), clip.sample_count - 2) if clip.sample_count > 1 else 0
     after, part = min(before + 1, clip.sample_count - 1), at - before
     hips = clip.root_position[before] * (1.0 - part) + clip.root_position[after] * part
@@ -88,7 +88,7 @@ def _placed(clip: Clip, samples: npt.NDArray[np.int64], at: float) -> tuple[Floa
 
 
 def _heading(hips: Float) -> float:
-    """Heading [rad] of the hips' forward axis, 0 towards +z, positive towards +x; of their left if that is upright."""
+    """Heading [rad] of the hips' forward axis, 0 towards +z, positive towards +x; from their left axis if upright."""
     x, _, z = quaternion.rotate(hips, _Z)
     if math.hypot(x, z) < 0.2:
         left_x, _, left_z = quaternion.rotate(hips, np.array((1.0, 0.0, 0.0)))

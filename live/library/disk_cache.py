@@ -1,9 +1,7 @@
-"""A cache of step clips on disk, beside the other caches: it follows what the clips were made from, and the code.
+"""Disk cache of step clips, with a key of the source data and the code; and safe reading of regular files.
 
-A cache is named after everything that it depends on, so an old one is never read: it only takes up room until newer
-ones push it out. Without the cache a start takes longer, nothing else; whatever is wrong with it is passed over.
-
-Reading a whole file that a person named: nothing waits for a pipe, and no device is read without end.
+A stale entry is never read and is deleted when newer ones need its room. The cache only saves time: every error in it
+is ignored, and the clips are built again.
 """
 
 import contextlib
@@ -30,17 +28,17 @@ _PACKAGE: Final = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True, slots=True)
 class ClipCache:
-    """The caches of one kind: files `kind-KEY.npz`, of which the newest `kept` stay, within `max_bytes` together."""
+    """A cache of one kind: files `kind-KEY.npz`; the newest `kept` stay, with at most `max_bytes` together."""
 
     kind: str
     kept: int
     max_bytes: int = 4_000_000_000
 
     def clips(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
-        """What `build` makes of `sources`: out of the cache if there is one, else built and kept.
+        """Return the clips for `sources` from the cache, or build and cache them.
 
-        `sources` is all that the clips depend on beside the code, in a fixed order. What `build` raises passes through,
-        and nothing is kept.
+        `sources` is all that the clips depend on besides the code, in a fixed order. An exception of `build` passes
+        through, and nothing is cached.
         """
         path = self._path(sources)
         clips = _read(path)
@@ -80,7 +78,7 @@ class ClipCache:
 
 @cache
 def _code() -> bytes:
-    """A digest of the code that turns files into clips."""
+    """Digest of the code that turns files into clips."""
     digest = hashlib.sha256()
     for package in ("motion", "steps"):
         for source in sorted((_PACKAGE / package).rglob("*.py")):
@@ -98,31 +96,31 @@ def _row(step: StepClip) -> dict[str, Any]:
 
 
 def _read(path: Path) -> list[StepClip] | None:
-    """The clips kept at `path`, None if they are not there or not readable; one that was read counts as new."""
+    """Read the clips cached at `path`, None if they are missing or unreadable; reading renews the file's time."""
     try:
         if not path.is_file():
             return None
         with path.open("rb") as file:
             clips = read_clips(file)
         os.utime(path)
-    except Exception:  # a broken file breaks zipfile, numpy, json and our own checks in their own ways
+    except Exception:  # a damaged file makes zipfile, numpy, json and our own checks raise different errors
         return None
     return clips
 
 
 def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
-    """Write clips, bit by bit, as numpy's npz; at least one."""
+    """Write clips losslessly as numpy's npz; at least one."""
     np.savez(file, **arrays_of(clips))
 
 
 def read_clips(file: IO[bytes]) -> list[StepClip]:
-    """The clips that `write_clips` wrote; any exception for what it did not write."""
+    """Read the clips that `write_clips` wrote; any exception for other data."""
     with np.load(file, allow_pickle=False) as data:
         return clips_of(dict(data))
 
 
 def arrays_of(clips: Sequence[StepClip]) -> dict[str, Any]:
-    """All that clips hold, in four arrays; at least one clip."""
+    """Return all data of clips in four arrays; at least one clip."""
     return {
         "root": np.concatenate([c.clip.root_position for c in clips]),
         "rotation": np.concatenate([c.clip.rotation for c in clips]),
@@ -132,7 +130,7 @@ def arrays_of(clips: Sequence[StepClip]) -> dict[str, Any]:
 
 
 def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
-    """The clips of such arrays."""
+    """Return the clips of the arrays from `arrays_of`."""
     root, rotation, contact = arrays["root"], arrays["rotation"], arrays["contact"]
     clips, at = [], 0
     for row in json.loads(arrays["rows"].tobytes()):
@@ -144,7 +142,7 @@ def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
 
 
 def read_plain(path: Path, most: int) -> bytes:
-    """The bytes of a plain file, at most one more than `most`, however long it has become meanwhile.
+    """Return the bytes of a regular file, at most one more than `most`, even if it grows meanwhile.
 
     OSError if it cannot be read, or is a folder, a pipe or a device.
     """

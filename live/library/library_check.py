@@ -1,6 +1,6 @@
-"""Everything that is wrong or doubtful in a folder of steps, with file, line and field (T003, T043, T161).
+"""Check of a step folder for errors and doubtful values, with file, line and field (T003, T043, T161).
 
-What is doubtful about a step that was cut: what is said of it against what is measured, and what is missing.
+Written attributes of each cut step are compared with measured ones.
 """
 
 import math
@@ -25,25 +25,25 @@ from live.motion.step_clip import StepClip, measured_direction, measured_distanc
 
 DISTANCE_SHARE = 0.25
 DISTANCE_LEAST = 0.1
-"""A distance that is off by less than this share of it, or by less than so many metres, is believed."""
+"""A written distance is accepted if it is off by less than this share of it, or by less than this many metres."""
 AXIS_OFF = math.radians(60.0)
-"""A way that is farther than this from the direction that was written is another direction."""
+"""Largest angle between the measured and the written direction."""
 LEAD_IN_BEATS = 0.75
-"""A transition takes so many beats before a step."""
+"""Beats that a transition needs before a step."""
 STANDS_LEAST = 0.1
-"""Dancers have a foot on the floor for more than this share of a step."""
+"""Least share of a step with a foot on the floor."""
 AWAY = math.radians(120.0)
-"""A step whose average heading is farther than this from that at its first beat is danced with the back (T122)."""
+"""A step with its average heading farther than this from that at its first beat shows the back (T122)."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
 def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]:
-    """Field and words for each doubt about one step of a recording."""
+    """Return field and message for each doubt about one step of a recording."""
     doubts = []
     recording, measured = entry.recording, measured_distance(step)
     if recording.direction is not None and not _goes(step, recording.direction):
         doubts.append(
-            ("direction", f"{recording.direction!r}, but she goes {measured_direction(step)}, {measured:.2f} m")
+            ("direction", f"{recording.direction!r}, but it travels {measured_direction(step)}, {measured:.2f} m")
         )
     if recording.distance_m is not None:
         off = abs(recording.distance_m - measured)
@@ -64,8 +64,9 @@ def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]
     away = abs(circular_mean(heading_of(step.clip.rotation[first : last + 1, 0])))
     if away > AWAY:
         words = (
-            f"she faces the public at the first beat, and on average {math.degrees(away):.0f} degrees away from it: "
-            'she shows her back; begin the step a measure later, or write face = "average" under [motion] in the patch'
+            f"it faces the audience at the first beat, and on average {math.degrees(away):.0f} degrees away from it: "
+            'the back is to the audience; begin the step a measure later, or write face = "average" under [motion] '
+            "in the patch"
         )
         doubts.append(("start_measure", words))
     beat = 60.0 / recording.bpm
@@ -77,7 +78,7 @@ def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]
 
 
 def _goes(step: StepClip, direction: str) -> bool:
-    """Whether the way is roughly in the direction written; how far is another question."""
+    """Whether the travel is roughly in the written direction, at any distance."""
     word = direction.split()[-1]
     if word not in _BEARING:
         return measured_direction(step) == "in place"
@@ -89,16 +90,16 @@ def _goes(step: StepClip, direction: str) -> bool:
 
 
 BELIEVED: Final = 0.35
-"""A tempo guessed from the feet with less confidence says nothing against the tempo that is written."""
+"""Least confidence of a tempo guessed from the feet to question the written one."""
 TEMPO_OFF: Final = 0.04
 """Tempi that differ by less than this share are the same."""
 _RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
-"""Feet that step on every second beat, or three times in two beats, agree with the beat."""
+"""Accepted ratios of tempi: feet may step on every second beat, or three times in two beats."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something wrong (it cannot be danced) or doubtful (it can, but look at it)."""
+    """A problem: wrong (the step cannot be danced) or doubtful (it can, but should be reviewed)."""
 
     kind: Literal["wrong", "doubtful"]
     problem: Problem
@@ -106,7 +107,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checked:
-    """A folder's usable steps, and what was found."""
+    """A folder's usable steps, and its problems."""
 
     steps: list[StepClip]
     entries: list[RecordingEntry]
@@ -147,7 +148,7 @@ def check_folder(directory: Path) -> Checked:
 
 
 def _textured(sketches: Mapping[str, str]) -> tuple[list[StepClip], list[Finding]]:
-    """The textured versions of sketches, and what is wrong or old about them."""
+    """The textured versions of sketches, and findings on invalid or outdated ones."""
     words = "the sketch was changed since: make it again with live steps enrich, or remove it"
     try:
         old = [Finding("doubtful", Problem(path, None, "", words)) for path in stale_textures(sketches)]
@@ -163,7 +164,7 @@ def _sketch_problem(file: Path, words: str) -> Problem:
 
 
 def _measures(own: list[StepClip]) -> int:
-    """Measures of a step or of a stream, mirror images left aside."""
+    """Measures of a step or of a stream, without mirror images."""
     return sum(clip.measures for clip in own if not clip.mirrored)
 
 
@@ -202,11 +203,11 @@ def _tempo(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, st
     heard = [bpm * ratio for ratio in _RATIOS] + list(guess.other_bpm)
     if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_OFF):
         return []
-    return [("bpm", f"{written:g}, but the feet say {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
+    return [("bpm", f"{written:g}, but the feet give {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
 
 
 def check_connections(checked: Sequence[Checked], folder: Path, threshold: float) -> list[Finding]:
-    """Steps that nothing leads to or away from within `threshold` [m], and poses whose names nothing matches."""
+    """Find steps without a transition to or from others within `threshold` [m], and unmatched pose names."""
     clips = [clip for one in checked for clip in one.steps]
     entries = [entry for one in checked for entry in one.entries]
     findings = _lonely_poses(clips, entries)
@@ -225,7 +226,7 @@ def check_connections(checked: Sequence[Checked], folder: Path, threshold: float
 
 
 def _lonely_poses(clips: list[StepClip], entries: list[RecordingEntry]) -> list[Finding]:
-    """Names of poses that stand at the one end of steps and never at the other: as a rule slips of the pen."""
+    """Pose names that occur only at beginnings or only at ends of steps: usually typing errors."""
     begins = {plain_pose(clip.begin_pose): clip.begin_pose for clip in clips if clip.begin_pose}
     ends = {plain_pose(clip.end_pose): clip.end_pose for clip in clips if clip.end_pose}
     findings = []
@@ -237,6 +238,6 @@ def _lonely_poses(clips: list[StepClip], entries: list[RecordingEntry]) -> list[
             pose = getattr(entry.recording, field)
             if pose is not None and plain_pose(pose) not in others:
                 there = ", ".join(map(repr, sorted(others.values()))) or "none is named"
-                problem = entry.problem(field, f"{words} {pose!r}; those there are: {there}")
+                problem = entry.problem(field, f"{words} {pose!r}; there are: {there}")
                 findings.append(Finding("doubtful", problem))
     return findings

@@ -1,4 +1,4 @@
-"""Motion files from disk, whatever their format: BVH, ASF/AMC, glTF, GLB, VRM, AMASS npz."""
+"""Reader for motion files of all supported formats: BVH, ASF/AMC, glTF, GLB, VRM, AMASS npz."""
 
 from pathlib import Path
 from typing import Final
@@ -13,18 +13,17 @@ from live.motion.formats.source_motion import SourceMotion, UpAxis
 
 MAX_BYTES: Final = 256_000_000
 MOTION_ENDINGS: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".vrma", ".npz")
-"""Endings of the files that `read_motion` takes."""
+"""Suffixes of the files that `read_motion` reads."""
 _MARKERS: Final = "solve the markers onto a skeleton in the capture program and export BVH"
 _CONVERT: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.glb) with its animation"
 
 
 def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None = None) -> SourceMotion:
-    """The motion in a file; its first bytes decide the format, then its ending.
+    """Read the motion in a file; the format follows from its first bytes, then from its suffix.
 
-    `skeleton` is the .asf file of an .amc file (default: the one beside it that has its name or the name's beginning,
-    as 49.asf for 49_10.amc, or the only one there is). `up` is the axis that points up, if a person has said so.
-    Raises MotionFileError with file, line, problem and remedy for whatever cannot be used, also for what is not there,
-    cannot be read, or is longer than 256 MB.
+    `skeleton` is the .asf file of an .amc file (default: the one next to it with its name or the beginning of it, such
+    as 49.asf for 49_10.amc, or the only one). `up` is the axis that points up, if it was given. MotionFileError with
+    file, line, problem and remedy if the file cannot be used, is missing, or is longer than 256 MB.
     """
     data = read_bytes(path)
     match _format_of(data, path):
@@ -40,12 +39,12 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
 
 
 def read_bytes(path: Path) -> bytes:
-    """All bytes of a file of at most 256 MB; raises MotionFileError."""
+    """Return all bytes of a file of at most 256 MB; MotionFileError if that fails."""
     try:
         if path.is_dir():
             raise MotionFileError(str(path), None, "that is a folder", f"name a file in it: {_in(path)}")
         if path.exists() and not path.is_file():
-            raise MotionFileError(str(path), None, "that is no file but a device or a pipe", "name a motion file")
+            raise MotionFileError(str(path), None, "that is a device or a pipe, not a file", "name a motion file")
         if not path.is_file():
             raise MotionFileError(str(path), None, "there is no such file", f"there are: {_in(path.parent)}")
         if path.stat().st_size > MAX_BYTES:
@@ -87,12 +86,12 @@ def _format_of(data: bytes, path: Path) -> str:
 
 
 def skeleton_beside(path: Path) -> Path:
-    """The .asf file beside an .amc file that must be its skeleton; MotionFileError if there is none or several."""
+    """Return the .asf file next to an .amc file that is its skeleton; MotionFileError if there is none or several."""
     there = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
     fitting = [p for p in there if path.stem == p.stem] or [p for p in there if path.stem.split("_")[0] == p.stem]
     if len(fitting or there) != 1:
         found = ", ".join(p.name for p in there[:12]) or "no .asf file"
         raise MotionFileError(
-            str(path), None, f"its skeleton is not known; beside it: {found}", "give it: --skeleton FILE.asf"
+            str(path), None, f"its skeleton is not known; next to it: {found}", "give it: --skeleton FILE.asf"
         )
     return (fitting or there)[0]

@@ -1,8 +1,6 @@
-"""Pairs: what a TOML file says of recordings of a leader and a follower who were recorded together (H001).
+"""Reader for partner examples: a TOML file of pairs of recordings of leader and follower, cut into units (H001).
 
-Reading a file of pairs and its recordings into units (H001).
-
-Holds of pairs that nobody annotated, found in their recordings.
+Hand holds without annotation are found in the recordings.
 """
 
 import tomllib
@@ -37,25 +35,25 @@ ELSEWHERE: Final = (
     "start_measure", "measures", "beats_per_measure", "leading_foot", "begin_pose", "end_pose", "weight_transfer",
     "direction", "distance_m", "tags", "author", "style", "unstructured", "mirror",
 )  # fmt: skip
-"""Keys of the same vocabulary that say nothing here: they may stand there."""
+"""Keys of step descriptions that are allowed here but ignored."""
 Time = Annotated[float, Field(ge=0, le=36_000)]
 Hand = Literal["left", "right", "leftHand", "rightHand"]
 
 
 class Beats(BaseModel):
-    """Where the beats lie, counted from the first frame that is kept."""
+    """Beats of a recording, counted from the first frame that is kept."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     bpm: Annotated[float, Field(ge=20, le=400)] | None = None
     beat_s: Annotated[float, Field(ge=0.15, le=3)] | None = None
-    """Seconds of a beat, in place of `bpm`."""
+    """Seconds of a beat, instead of `bpm`."""
     first_beat_s: Time | None = None
-    """When some first beat of a unit falls [s]."""
+    """Time of the first beat of any unit [s]."""
 
     @property
     def period(self) -> float | None:
-        """Seconds of a beat, if that is said."""
+        """Seconds of a beat, if given."""
         return self.beat_s if self.beat_s is not None else None if self.bpm is None else 60.0 / self.bpm
 
 
@@ -66,12 +64,12 @@ class Side(Beats):
     name: Word | None = None
     skeleton: FileName | None = None
     fps: Annotated[float, Field(ge=1, le=10_000)] | None = None
-    """True frame rate where the file's header lies."""
+    """Frame rate, if the one in the file header is wrong."""
     unit_m: Annotated[float, Field(gt=0, le=10)] | None = None
     up: Literal["Y", "Z"] | None = None
     drop_frames: Annotated[int, Field(ge=0, le=10_000_000)] = 0
     repair: bool = False
-    """Whether tracking faults are mended where that is safe (T161)."""
+    """Whether tracking faults are repaired where that is safe (T161)."""
 
     @model_validator(mode="before")
     @classmethod
@@ -82,19 +80,19 @@ class Side(Beats):
 
 
 class Pair(Beats):
-    """Two recordings of one take, frame by frame beside each other; without `leader` a walk, which its path leads."""
+    """Two synchronous recordings of one take; without `leader` a walk, which is led by its path."""
 
     leader: Side | None = None
     follower: Side
     name: Word | None = None
     cuts_s: list[Time] | None = None
-    """Where units begin and end [s], by hand; in place of beats."""
+    """Times at which units begin and end [s], given by hand instead of beats."""
     holds: list[tuple[Hand, Hand, Time, Time]] = []
-    """Hand of the leader, hand of the follower, from, to [s]: who holds what when."""
+    """Hand holds: the leader's hand, the follower's hand, begin, end [s]."""
 
 
 class PairsFile(BaseModel):
-    """A database of examples."""
+    """A file of pairs, the database of examples."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -102,31 +100,31 @@ class PairsFile(BaseModel):
     unit_beats: Annotated[int, Field(ge=1, le=16)] = BEATS_OF_UNIT
     """Beats of a unit."""
     cut: Literal["beats", "steps"] | None = None
-    """Where units are cut: at every `unit_beats`th beat, or wherever a foot lands (walks)."""
+    """Where units are cut: at every `unit_beats`th beat, or at each foot landing (walks)."""
 
 
 MAX_BYTES: Final = 1_000_000
 SHOWN: Final = 8
 SHORTEST: Final = 0.15
-"""Units shorter than this [s] are cut wrongly."""
+"""Least length of a unit [s]."""
 
 Float64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """One side of a pair on the engine's skeleton, where it was recorded."""
+    """One side of a pair on the engine's skeleton, at its recorded position."""
 
     clip: Clip
     frames: int
-    """Frames kept."""
+    """Number of frames kept."""
     fps: float
     header_fps: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Examples:
-    """What a file of pairs holds."""
+    """The contents of a file of pairs."""
 
     file: Path
     wanted: PairsFile
@@ -134,11 +132,11 @@ class Examples:
     leaders: tuple[Recorded | None, ...]
     followers: tuple[Recorded, ...]
     guessed: tuple[bool, ...]
-    """Of which pairs the beats are a guess."""
+    """For each pair whether its beats are a guess."""
 
 
 def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Examples:
-    """All pairs of a file; PersonError with file, line and field for whatever cannot be used."""
+    """Read all pairs of a file; PersonError with file, line and field for anything invalid."""
     wanted, fail = _parsed(toml)
     examples, leaders, followers, guessed = [], [], [], []
     for n, pair in enumerate(wanted.pair):
@@ -159,7 +157,7 @@ def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Exa
         raise fail(("pair",), "some pairs have a leader and some have none; a database is of one kind")
     units = cut_units(examples)
     if units.count < 2:
-        raise fail(("pair",), f"{units.count} unit in all of it; there is nothing to choose from with fewer than two")
+        raise fail(("pair",), f"{units.count} unit in all of it; at least two are needed to choose from")
     return Examples(toml, wanted, units, tuple(leaders), tuple(followers), tuple(guessed))
 
 
@@ -189,7 +187,7 @@ def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError
         return PairsFile.model_validate(data), fail
     except ValidationError as error:
         told = [fail(tuple(one["loc"]), _words(one)).message for one in error.errors(include_url=False)]
-        raise PersonError("; ".join(told[:SHOWN]), "docs/partner.md says what a file of pairs holds") from None
+        raise PersonError("; ".join(told[:SHOWN]), "docs/partner.md describes files of pairs") from None
 
 
 def _words(problem: Any) -> str:
@@ -201,13 +199,13 @@ def _words(problem: Any) -> str:
 
 
 def read_side(path: Path, side: Side) -> Recorded:
-    """One recording, where it was recorded; MotionFileError or ValueError if it cannot be used."""
+    """Read one recording at its recorded position; MotionFileError or ValueError if it cannot be used."""
     motion = read_motion(path, skeleton=None if side.skeleton is None else path.parent / side.skeleton, up=side.up)
     return recorded(motion, side)
 
 
 def recorded(motion: SourceMotion, side: Side) -> Recorded:
-    """The same of a motion that was read."""
+    """Return the same for a motion that was already read."""
     fps = side.fps or motion.header_fps
     if side.repair:
         tracks = body_tracks(motion, fps=fps, up=side.up, unit_m=side.unit_m)
@@ -230,12 +228,12 @@ def _agree(leader: Recorded, follower: Recorded, fail: Callable[[str], PersonErr
     if abs(leader.fps / follower.fps - 1.0) > 1e-3:
         raise fail(
             f"the leader has {leader.fps:g} frames a second and the follower {follower.fps:g}; "
-            "both of a pair have one rate: say the true one with fps"
+            "both of a pair have one rate: give the true one with fps"
         )
     if leader.frames != follower.frames:
         raise fail(
-            f"the leader has {leader.frames} frames and the follower {follower.frames}; frame by frame they belong "
-            "together: the same frames of one take, less drop_frames, expected"
+            f"the leader has {leader.frames} frames and the follower {follower.frames}; they must be "
+            "synchronous: the same frames of one take, less drop_frames, expected"
         )
 
 
@@ -264,7 +262,7 @@ def _example(
 def _cuts(
     wanted: PairsFile, pair: Pair, leader: Recorded | None, follower: Recorded, fail: Callable[[str], PersonError]
 ) -> tuple[Float64, Float64, bool]:
-    """Where units begin and end, where beats are [samples], and whether that is a guess."""
+    """Limits of units and positions of beats [samples], and whether these are a guess."""
     clip = follower.clip
     rate, last = clip.sample_rate, clip.sample_count - 1.0
     sides = [one for one in (pair, pair.leader, pair.follower) if one is not None]
@@ -282,21 +280,21 @@ def _cuts(
     if (period is None or first is None) and pair.cuts_s is None:
         guess = guess_tempo(clip, bpm=None if period is None else 60.0 / period)
         if guess is None:
-            raise fail("too short or too still to guess its beats: say bpm and first_beat_s")
+            raise fail("too short or too still to guess its beats: give bpm and first_beat_s")
         period, guessed = 60.0 / guess.reference.bpm, True
         first = guess.reference.first_beat_s if first is None else first
     beats = np.zeros(0) if period is None or first is None else beat_samples(period, first, rate, last)
     if pair.cuts_s is not None:
         cuts = np.unique(np.array(pair.cuts_s, np.float64)) * rate
         return np.asarray(cuts[cuts <= last], np.float64), beats, guessed
-    assert period is not None  # said or guessed
+    assert period is not None  # given or guessed
     assert first is not None
     before = int(np.floor(first / period + 1e-9)) % wanted.unit_beats
     return beat_cuts(beats[before:], last, wanted.unit_beats), beats, guessed
 
 
 def with_holds(known: Examples, near: Near) -> Units:
-    """The units of `known` with the holds found in those pairs whose table says nothing of `holds`."""
+    """Return the units of `known`, with holds found in the recordings for pairs without `holds`."""
     return replace(known.units, examples=tuple(_one(known, n, near) for n in range(len(known.leaders))))
 
 

@@ -1,8 +1,6 @@
-"""Recording: what a TOML file says about one step in one motion file (the vocabulary of motion files).
+"""Reader for the TOML files of a step folder, which describe steps in recordings.
 
-What is wrong with a field of a recording, in our own words: what is expected, and what was found.
-
-Reading the TOML files of a step folder: which part of which recording is which step; sketches are told apart.
+Errors name file, line, field, the expected and the actual value. Sketches are separated from recordings.
 """
 
 import difflib
@@ -37,49 +35,49 @@ class Recording(BaseModel):
     name: Word
     """The step's name; steps of one name are variations of each other (T021)."""
     skeleton: FileName | None = None
-    """The ASF file of an AMC file, relative to the same folder; found if it is the only one beside it."""
+    """The ASF file of an AMC file, relative to the same folder; found if it is the only one next to it."""
     fps: Annotated[float, Field(ge=1, le=10_000)] | None = None
-    """True frame rate where the file's header lies."""
+    """Frame rate, if the one in the file header is wrong."""
     unit_m: Annotated[float, Field(gt=0, le=10)] | None = None
-    """Metres per unit, to have the dancer's size checked."""
+    """Metres per unit, for a check of the dancer's size."""
     up: Literal["Y", "Z"] | None = None
-    """The axis that points up, if it is not found."""
+    """The axis that points up, if it is not detected."""
     drop_frames: Annotated[int, Field(ge=0, le=10_000_000)] = 0
-    """Leading frames that are left out; all times count from the first one kept."""
+    """Leading frames to remove; all times count from the first one kept."""
     repair: bool = False
-    """Whether tracking faults are mended where that is safe (T161)."""
+    """Whether tracking faults are repaired where that is safe (T161)."""
     bpm: Annotated[float, Field(ge=20, le=400)]
     """Tempo of the recorded dance."""
     first_beat_s: Annotated[float, Field(ge=0, le=36_000)]
-    """When measure 1 begins [s]."""
+    """Time at which measure 1 begins [s]."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
     start_measure: Annotated[int, Field(ge=1, le=100_000)] = 1
     """Measure in which the step begins, from 1."""
     measures: Annotated[int, Field(ge=1, le=10_000)] = 1
-    """Length of the step (T020)."""
+    """Length of the step in measures (T020)."""
     leading_foot: Literal["left", "right"] | None = None
     begin_pose: Word | None = None
-    """Pose in which it begins; only steps that end in it may come before (T136)."""
+    """Pose in which it begins; only steps that end in it may precede (T136)."""
     end_pose: Word | None = None
     weight_transfer: bool | None = None
     """Whether a repeat must be danced on the other side (T135)."""
     direction: str | None = None
-    """One of the nine directions, as the dancer sees them; measured if it is left out (T131)."""
+    """One of the nine directions, as seen by the dancer; left out: measured (T131)."""
     distance_m: Annotated[float, Field(ge=0, le=100)] | None = None
-    """How far it gets; measured if it is left out."""
+    """Distance travelled; left out: measured."""
     author: Word | None = None
     style: Word | None = None
-    """Stylistic variation in a word: how it is danced (T040)."""
+    """Stylistic variation in a word (T040)."""
     tags: Annotated[list[Word], Field(max_length=64)] = []
     unstructured: bool = False
-    """Whether it is a stream that nobody has cut into steps: every measure is a clip, similarity alone joins (T037)."""
+    """Whether it is a stream not cut into steps: each measure is a clip, joined by similarity alone (T037)."""
     mirror: bool = False
-    """Whether the mirror image is a variation, too."""
+    """Whether the mirror image is added as a variation."""
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something wrong: file, line, field, what was read and what is expected."""
+    """A problem: file, line, field, and a message with the actual and the expected value."""
 
     file: Path
     line: int | None
@@ -96,7 +94,7 @@ class Problem:
 
 
 class RecordingError(PersonError):
-    """Recordings that cannot be used: for each problem file, line, field, what was read and what is allowed."""
+    """Recordings that cannot be used: for each problem file, line, field, the value and what is allowed."""
 
     def __init__(self, message: str, remedy: str | None = None, problems: tuple[Problem, ...] = ()) -> None:
         super().__init__(message, remedy)
@@ -104,7 +102,7 @@ class RecordingError(PersonError):
 
 
 def error_of(problems: list[Problem]) -> RecordingError:
-    """All problems as one error, the first eight different ones in words."""
+    """Return one error for all problems, with the first eight different ones in its message."""
     words = list(dict.fromkeys(map(str, problems)))
     more = len(words) - SHOWN_PROBLEMS
     told = "; ".join(words[:SHOWN_PROBLEMS]) + (f"; and {more} more" if more > 0 else "")
@@ -113,7 +111,7 @@ def error_of(problems: list[Problem]) -> RecordingError:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordingEntry:
-    """A recording with the place in its TOML file, for messages."""
+    """A recording with its place in the TOML file, for messages."""
 
     recording: Recording
     toml: Path
@@ -128,20 +126,20 @@ class RecordingEntry:
 
     @property
     def skeleton(self) -> Path | None:
-        """The file of its skeleton, if one is named."""
+        """The skeleton file, if one is named."""
         return None if self.recording.skeleton is None else self.toml.parent / self.recording.skeleton
 
     def problem(self, field: str, words: str) -> Problem:
-        """A problem with one field."""
+        """Return a problem with one field."""
         return problem_at(self.toml, self.lines, self.where, (field,), words)
 
     def error(self, field: str, words: str) -> RecordingError:
-        """The same as an error."""
+        """Return the same as an error."""
         return error_of([self.problem(field, words)])
 
 
 def problem_at(toml: Path, lines: dict[KeyPath, int], where: KeyPath, field: KeyPath, words: str) -> Problem:
-    """`field` may stand in the table `where` or, as a default for all steps, at the top of the file."""
+    """Return a problem; `field` may be in the table `where` or, as a default for all steps, at the top of the file."""
     path = where + field if where + field[:1] in lines or field[:1] not in lines else field
     name = ".".join(str(part + 1) if isinstance(part, int) else part for part in path) or "the file"
     return Problem(toml, line_of(lines, path), name, words)
@@ -152,7 +150,7 @@ _HINTS: Final = get_type_hints(Recording, include_extras=True)
 
 
 def problem_words(problem: Any) -> str:
-    """One of the problems that pydantic found in a Recording."""
+    """Return the message for a problem that pydantic found in a Recording."""
     kind, read, field = problem["type"], problem["input"], str(problem["loc"][0]) if problem["loc"] else ""
     if kind == "extra_forbidden":
         keys = list(Recording.model_fields)
@@ -169,7 +167,7 @@ def problem_words(problem: Any) -> str:
 
 
 def found(value: object) -> str:
-    """What was read, short enough for a message."""
+    """Return the value that was read, shortened for a message."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | int | float):
@@ -180,7 +178,7 @@ def found(value: object) -> str:
 
 
 def expected(field: str, *, inside: bool = False) -> str:
-    """What may stand for a field; `inside`: for one element of its list."""
+    """Return a description of the values allowed for a field; `inside`: for one element of its list."""
     return _described(_HINTS.get(field), inside)
 
 
@@ -217,22 +215,22 @@ _RECORDING_KEYS: Final = frozenset(("file", "step", "pair", "first_beat_s", "sta
 
 @dataclass(slots=True)
 class StepFiles:
-    """What the TOML files of a folder hold, in the order of their names."""
+    """Contents of the TOML files of a folder, in the order of their names."""
 
     recordings: dict[Path, list[RecordingEntry]] = field(default_factory=dict)
-    """The recordings of each file that describes some."""
+    """Recordings by file."""
     texts: dict[Path, str] = field(default_factory=dict)
-    """The text of each of these."""
+    """Texts of the same files."""
     sketches: dict[str, str] = field(default_factory=dict)
-    """The text of each file that holds a sketch."""
+    """Texts of the files with sketches, by file name."""
     problems: list[Problem] = field(default_factory=list)
 
 
 def read_recordings(directory: Path) -> list[RecordingEntry]:
-    """The recordings that the TOML files of a folder describe; RecordingError with all problems, or if there is none.
+    """Read the recordings that a folder's TOML files describe; RecordingError with all problems, or if there is none.
 
-    A file holds one recording at its top level, or an array `[[step]]`, for which keys at the top level are defaults.
-    Files that list pairs (`[[pair]]`) are for partner dance and passed over, and so are sketches.
+    A file has one recording at its top level, or an array `[[step]]`, for which keys at the top level are defaults.
+    Files of pairs (`[[pair]]`), for partner dance, and sketches are skipped.
     """
     files = read_step_files(directory)
     if files.problems:
@@ -243,16 +241,16 @@ def read_recordings(directory: Path) -> list[RecordingEntry]:
 
 
 def nothing_in(directory: Path) -> RecordingError:
-    """The error for a folder in which no TOML file speaks of steps."""
+    """Return the error for a folder without a TOML file that describes steps."""
     count = sum(1 for path in directory.iterdir() if path.suffix.lower() in MOTION_ENDINGS)
     return RecordingError(
-        f"no TOML file in {directory} says which step is where in its {count} recordings",
-        f"live steps add FILE --library {directory}; or write one beside them, like steps.toml with {EXAMPLE}",
+        f"no TOML file in {directory} describes steps in its {count} recordings",
+        f"live steps add FILE --library {directory}; or write one next to them, like steps.toml with {EXAMPLE}",
     )
 
 
 def read_step_files(directory: Path) -> StepFiles:
-    """All TOML files (*.toml) of a folder; RecordingError only if the folder cannot be read."""
+    """Read all TOML files (*.toml) of a folder; RecordingError only if the folder cannot be read."""
     try:
         if not directory.is_dir():
             raise RecordingError(f"there is no folder {directory}", "give a folder with recordings and a TOML file")
@@ -270,7 +268,7 @@ def read_step_files(directory: Path) -> StepFiles:
 def _text_of(toml: Path, problems: list[Problem]) -> str | None:
     try:
         data = read_plain(toml, MAX_BYTES) if toml.is_file() else None
-        if data is None or len(data) > MAX_BYTES:  # it may have grown since anybody looked
+        if data is None or len(data) > MAX_BYTES:  # the size is that of the data read, since the file may grow
             problems.append(Problem(toml, None, "", f"not a file of at most {MAX_BYTES} bytes"))
             return None
         return data.decode("utf-8")
@@ -282,7 +280,7 @@ def _text_of(toml: Path, problems: list[Problem]) -> str | None:
 
 
 def parse_step_file(text: str, toml: Path, files: StepFiles) -> None:
-    """Add what the text of one file holds to `files`."""
+    """Parse the text of one file and add its contents to `files`."""
     try:
         data = toml_values(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,11 +1,8 @@
-"""Recorded steps: what TOML files say about recordings, as step clips cut at the measure lines (T019, T039, T040).
+"""Recorded steps as step clips: recordings are read, retargeted and cut at the measure lines (T019, T039, T040).
 
-Recordings from disk as clips on the engine's skeleton, each file read once for all its steps.
-
-Streams: recordings that nobody has cut into steps, cut at their measure lines alone (T037, T038, T120).
-
-Every measure is a clip of one "step" named after the stream. What may follow what is decided by similarity alone; a
-measure of the recording follows the one before it without a seam, since its lead-in is that measure.
+A stream is a recording that is not divided into steps (T037, T038, T120). Each of its measures is a clip of one step
+named after the stream, joined by similarity alone. Consecutive measures join without a seam, because the lead-in of
+each is the measure before it.
 """
 
 import math
@@ -38,11 +35,11 @@ from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 
 FRAMES_OFF: Final = 1
-"""Programs that count frames wrongly are off by one; a file with fewer than that was cut off."""
+"""Tolerance for the frame count in a header, which some programs get wrong by one; with fewer the file is cut off."""
 
 
 class RecordingReader:
-    """Reads every file once and retargets it once for each way in which steps ask for it."""
+    """Reads every file once, and retargets it once for each combination of reading options."""
 
     def __init__(self) -> None:
         self._motions: dict[tuple[object, ...], SourceMotion] = {}
@@ -50,7 +47,7 @@ class RecordingReader:
         self._glitches: dict[tuple[object, ...], list[Glitch]] = {}
 
     def clip(self, entry: RecordingEntry) -> Clip:
-        """The whole recording on the engine's skeleton; RecordingError that names file, line and field."""
+        """Return the whole recording on the engine's skeleton; RecordingError names file, line and field."""
         key = _key(entry)
         if key not in self._clips:
             motion = self.motion(entry)
@@ -61,7 +58,7 @@ class RecordingReader:
         return self._clips[key]
 
     def glitches(self, entry: RecordingEntry) -> list[Glitch]:
-        """Tracking faults that remain after a repair, if one is asked for; frames count from the file's first."""
+        """Return tracking faults, after the repair if requested; frames count from the file's first."""
         motion = self.motion(entry)
         faults = self._faults(entry, motion)
         if not entry.recording.repair:
@@ -81,19 +78,19 @@ class RecordingReader:
         return self._glitches[key]
 
     def motion(self, entry: RecordingEntry) -> SourceMotion:
-        """What the file holds; RecordingError that names file, line and field."""
+        """Return the motion of the file; RecordingError names file, line and field."""
         key = (entry.path, entry.skeleton, entry.recording.up)
         if key not in self._motions:
             try:
                 motion = read_motion(entry.path, skeleton=entry.skeleton, up=entry.recording.up)
             except MotionFileError as error:
                 raise entry.error("file", str(error)) from None
-            except ValueError as error:  # names that no file can have
+            except ValueError as error:  # invalid file names
                 raise entry.error("file", f"cannot be read: {error}") from None
             if motion.frame_count < motion.frames_declared - FRAMES_OFF:
                 words = (
-                    f"{entry.path} is cut off: it says {motion.frames_declared} frames and holds {motion.frame_count}; "
-                    "copy it again, or correct its line 'Frames:' if this is all"
+                    f"{entry.path} is cut off: it declares {motion.frames_declared} frames and has "
+                    f"{motion.frame_count}; copy it again, or correct its line 'Frames:' if this is all"
                 )
                 raise entry.error("file", words)
             self._motions[key] = motion
@@ -131,13 +128,13 @@ def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
 
 
 OF_A_STEP: Final = ("leading_foot", "begin_pose", "end_pose", "weight_transfer", "direction", "distance_m")
-"""What is said of a step and means nothing for a stream."""
+"""Fields of a step that do not apply to a stream."""
 
 
 def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
-    """All clips of an entry: its step, or the measures of its stream; each followed by its mirror image if asked.
+    """Return all clips of an entry: its step, or the measures of its stream; each followed by its mirror image if set.
 
-    RecordingError that names file, line and field.
+    RecordingError names file, line and field.
     """
     own = cut_stream(entry, clip) if entry.recording.unstructured else [cut_step(entry, clip)]
     if not entry.recording.mirror:
@@ -146,18 +143,20 @@ def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
 
 
 def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
-    """The measures of a stream, from `start_measure` on: as many as are asked for, else all whole ones."""
+    """Return the measures of a stream from `start_measure` on: the number in `measures`, else all whole ones."""
     recording = entry.recording
     for field in OF_A_STEP:
         if field in recording.model_fields_set:
-            raise entry.error(field, "it is said of a step, and an unstructured recording is none: leave it out")
+            raise entry.error(field, "it belongs to a step, and an unstructured recording has none: leave it out")
     count = recording.measures if "measures" in recording.model_fields_set else _whole(entry, clip)
-    cut_step(_told(entry, recording.start_measure, count), clip)  # tells a stream that is too long in its own words
+    cut_step(
+        _told(entry, recording.start_measure, count), clip
+    )  # raises the error for a stream that is too long as a whole
     return [replace(cut_step(_told(entry, recording.start_measure + n, 1), clip), in_stream=True) for n in range(count)]
 
 
 def _whole(entry: RecordingEntry, clip: Clip) -> int:
-    """How many whole measures there are from the first one on, at least 1, so that there is something to tell."""
+    """Number of whole measures from the first one on, at least 1, so that cutting reports a short recording."""
     recording = entry.recording
     measure = recording.beats_per_measure * 60.0 / recording.bpm * clip.sample_rate
     start = recording.first_beat_s * clip.sample_rate + (recording.start_measure - 1) * measure
@@ -171,15 +170,15 @@ def _told(entry: RecordingEntry, start: int, measures: int) -> RecordingEntry:
 __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
 CACHE: Final = ClipCache("recordings", kept=1000)
-"""One for each TOML file, so that a change in one leaves the others as they are."""
+"""One entry for each TOML file, so that a change in one leaves the others valid."""
 _BESIDE: Final = {".amc": ".asf", ".gltf": ".bin"}
-"""What a file of the one ending may read beside it."""
+"""Suffixes of files that a file with the given suffix may read in the same folder."""
 
 
 def load_recordings(directory: Path) -> list[StepClip]:
-    """All steps that the TOML files of `directory` describe, in order, each followed by its mirror image if asked.
+    """Return all steps that the TOML files of `directory` describe, in order, each followed by its mirror image if set.
 
-    Raises RecordingError with all problems found: file, line, field, what was read and what is allowed.
+    RecordingError with all problems: file, line, field, the value and what is allowed.
     """
     files = read_step_files(directory)
     if not files.recordings and not files.problems:
@@ -188,7 +187,7 @@ def load_recordings(directory: Path) -> list[StepClip]:
 
 
 def recorded_steps(files: StepFiles) -> list[StepClip]:
-    """The same for files that were read already. What was cut before comes out of a cache that follows the files."""
+    """Return the same for files that were already read; unchanged steps come from a cache."""
     problems = list(files.problems)
     steps: list[StepClip] = []
     for toml, entries in files.recordings.items():
@@ -202,18 +201,18 @@ def recorded_steps(files: StepFiles) -> list[StepClip]:
 
 
 def _cut(text: str, entries: list[RecordingEntry]) -> list[StepClip]:
-    """The steps of one TOML file, out of the cache if they are there."""
+    """The steps of one TOML file, from the cache if possible."""
     sources = _sources(text, entries)
     if sources is not None:
         try:
             return CACHE.clips(sources, partial(_build, entries))
-        except OSError:  # a file that is there and cannot be read: building the steps says which, and why
+        except OSError:  # a file cannot be read: building the steps reports which, and why
             pass
     return _build(entries)
 
 
 def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None:
-    """All that the steps of one TOML file depend on; None if a file is missing, so that building them tells it."""
+    """All that the steps of one TOML file depend on; None if a file is missing, which building them reports."""
     paths: set[Path] = set()
     for entry in entries:
         paths.add(entry.path)

@@ -1,7 +1,4 @@
-"""A folder of steps: recordings and sketches side by side, as step clips (`--steps DIR`, `--library DIR`).
-
-Reading sketched steps: a folder of step files to step clips, kept in a cache.
-"""
+"""Reader for a folder of steps, recordings and sketches, as cached step clips (`--steps DIR`, `--library DIR`)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,15 +14,15 @@ from live.motion.step_clip import StepClip
 
 MAX_STEP_BYTES: Final = 200_000
 CACHE: Final = ClipCache("steps", kept=8)
-"""One for each of the last sets of steps, whichever checkout they were in."""
+"""One entry for each of the latest sets of steps, in any checkout."""
 
 
 class StepsError(PersonError):
-    """Steps that cannot be read; the message names the file, and line and field where there is one."""
+    """Steps that cannot be read; the message names the file, and line and field if known."""
 
 
 def load_steps(folder: Path) -> list[StepClip]:
-    """All steps of `folder` (*.toml), in the order of their file names; StepsError if one is wrong or none is there."""
+    """Read all sketched steps of `folder` (*.toml), by file name; StepsError if one is invalid or there is none."""
     texts: dict[str, str] = {}
     for path in sorted(folder.glob("*.toml")):
         try:
@@ -43,7 +40,7 @@ def load_steps(folder: Path) -> list[StepClip]:
 
 
 def sketched_steps(texts: dict[str, str]) -> list[StepClip]:
-    """The steps written in the `texts` of files; StepsError if one is wrong."""
+    """Return the steps of sketches, `texts` by file name; StepsError if one is invalid."""
     sources = (part for name, text in texts.items() for part in (Path(name).name.encode(), text.encode()))
     return CACHE.clips(sources, lambda: _build(texts))
 
@@ -67,11 +64,10 @@ def _build(texts: dict[str, str]) -> list[StepClip]:
 
 
 def load_folder(directory: Path) -> list[StepClip]:
-    """All steps of a folder, sketches first, then their textured versions, then recordings, in the order of file names.
+    """Read all steps of a folder: sketches, then their textured versions, then recordings, each by file name.
 
-    A name that comes again in other letters is the same step's, for case, blanks, hyphens and underscores do not matter
-    where steps are called: it is written as it came first. Raises RecordingError or StepsError (both PersonErrors) with
-    file, line, field and remedy.
+    Names that differ only in case, blanks, hyphens or underscores are the same step, spelled as the first of them.
+    RecordingError or StepsError (both PersonErrors) with file, line, field and remedy.
     """
     files = read_step_files(directory)
     if not files.sketches and not files.recordings and not files.problems:
@@ -81,12 +77,12 @@ def load_folder(directory: Path) -> list[StepClip]:
 
 
 def plain_name(name: str) -> str:
-    """The name of a step as names are compared: case, blanks, hyphens and underscores do not matter."""
+    """Return a step's name in the form for comparison: casefolded, with single blanks for hyphens and underscores."""
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
 def named_alike(steps: Sequence[StepClip]) -> list[StepClip]:
-    """The same steps; those of one plain name are called as the first of them."""
+    """Return the steps, with one spelling of names that are equal as plain names: that of the first."""
     names: dict[str, str] = {}
     called = [names.setdefault(plain_name(step.step), step.step) for step in steps]
     return [step if step.step == name else replace(step, step=name) for step, name in zip(steps, called, strict=True)]

@@ -1,4 +1,4 @@
-"""Writing one more step into a TOML text, so that everything a person wrote in it stays as it is."""
+"""Writer that appends a step to a TOML text and keeps everything that a person wrote in it."""
 
 import tomllib
 from collections.abc import Mapping
@@ -12,12 +12,12 @@ from live.library.recording_file import Recording
 
 
 def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str | None:
-    """The TOML `text` (empty for a new file) with one more `[[step]]` at its end; comments and blanks are kept.
+    """Return the TOML `text` (empty for a new file) with one more `[[step]]` at its end; comments and blanks are kept.
 
-    `table` is what is to be said of the step, by the fields of Recording; what the file's defaults say already is not
-    said again. `comments` stand behind the lines of their fields. A file with one recording at its top level becomes
-    one with two `[[step]]`. None if the text cannot take the step: because it is something else, or because its
-    defaults say what is not true of the step and cannot be taken back.
+    `table` has the step's values by the fields of Recording; those equal to the file's defaults are not written.
+    `comments` are written behind the lines of their fields. A file with one recording at its top level becomes one
+    with two `[[step]]`. None if the text cannot take the step: it is another kind of file, or one of its defaults
+    does not hold for the step and cannot be overridden.
     """
     try:
         before = tomllib.loads(text)
@@ -54,14 +54,14 @@ def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] |
 
 
 def _as_first_step(text: str) -> str:
-    """A recording at the top level as the first of a list: its first key gets a header, comments stay in place."""
+    """Turn a recording at the top level into the first of a list: a header before its first key; comments stay."""
     lines = text.splitlines(keepends=True)
     first = min(toml_lines(text).values()) - 1
     return "".join([*lines[:first], "[[step]]\n", *lines[first:]])
 
 
 def _beside_defaults(defaults: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any] | None:
-    """What must be written of `table` where `defaults` hold; None if a default says too much."""
+    """The values of `table` that must be written given `defaults`; None if a default cannot be overridden."""
     written = {key: value for key, value in table.items() if key not in defaults or defaults[key] != value}
     for key in defaults.keys() - table.keys():
         if key not in Recording.model_fields:
@@ -80,7 +80,7 @@ def _is_table(value: object) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """Whole numbers without a point, as a person writes them."""
+    """Convert whole floats to integers, and tuples to lists."""
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return int(value)
     return list(value) if isinstance(value, tuple) else value

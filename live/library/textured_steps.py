@@ -1,9 +1,8 @@
-"""Enriching: textured versions of sketched steps, from any motion capture (P022).
+"""Textured versions of sketched steps, made from motion capture (P022).
 
-Textured versions of sketched steps, kept beside their sketches: `walk.textured` beside `walk.toml`.
-
-Such a file holds whole clips, to the bit, for the motion capture they were made of may be gone; and which text of the
-sketch they are of. A sketch that was changed since dances without them until they are made again.
+They are stored next to their sketches, `walk.textured` next to `walk.toml`, as lossless clips, because the motion
+capture may not be available later, with a digest of the sketch. After a change of the sketch they are ignored until
+they are made again.
 """
 
 import hashlib
@@ -30,13 +29,13 @@ from live.motion.texture.texture_settings import UPPER, Wish
 from live.motion.texture.texture_synthesis import textured
 
 Upper = Literal["auto", "make", "texture"]
-"""What becomes of upper bodies: made of the recordings alone, textured, or whatever fits the sketch."""
+"""Treatment of upper bodies: `make` from the recordings alone, `texture`, or `auto` by the sketch."""
 RAISED_M: Final = 0.45
-"""A sketch that raises a hand so far over the hips (to the shoulders) means its arms..."""
+"""The arms of a sketch matter if a hand rises this far above the hips (to the shoulders) ..."""
 BENT: Final = np.radians(15.0)
-"""... and one whose ribs lean so far to and fro means its trunk: there recordings give the finest detail alone."""
+"""... and its trunk if the ribs lean this far to and fro: recordings then add only the finest detail."""
 STYLE: Final = "textured"
-"""The style of textured versions, with their number where there are several."""
+"""The style of textured versions, followed by their number."""
 
 _HANDS: Final = (SKELETON.index("leftHand"), SKELETON.index("rightHand"))
 
@@ -47,22 +46,22 @@ class Enriched:
 
     clips: tuple[StepClip, ...]
     distance: float
-    """How far matches were off [rad], root mean square, the mean of all."""
+    """Mean over all versions of the root mean square error of matches [rad]."""
     free: float
-    """Share of the joins that were none in the data either."""
+    """Mean share of joins that are continuous in the data."""
     made: bool
-    """Whether upper bodies were made anew; else textured."""
+    """Whether upper bodies were made from the recordings alone; else textured."""
     kept: float
-    """Share of the texture that is left at measure lines, the mean of all."""
+    """Mean share of the texture that is left at measure lines."""
 
 
 def material_for(recordings: Sequence[Clip], steps: Sequence[StepClip]) -> Material:
-    """The recordings, cut up so that all of these steps can be textured."""
+    """Return the recordings, divided so that all of these steps can be textured."""
     return material_of(recordings, [sample_clip(step.clip) for step in steps])
 
 
 def means_upper(step: StepClip) -> bool:
-    """Whether the sketch's upper body is what the step is about, so that it must not be made anew."""
+    """Whether the sketch's upper body is essential to the step, so that it must not be replaced."""
     part = slice(int(step.first), int(np.ceil(step.first + step.measures * step.samples_per_measure)))
     rotation = step.clip.rotation[part].astype(np.float64)
     rotation[:, 0] = (1.0, 0.0, 0.0, 0.0)
@@ -73,10 +72,10 @@ def means_upper(step: StepClip) -> bool:
 
 
 def enrich(steps: Sequence[StepClip], material: Material, wish: Wish, upper: Upper = "auto") -> Enriched:
-    """Textured versions of the variations `steps` of one step (mirrored ones are passed over), path by path.
+    """Return textured versions of the variations `steps` of one step, path by path; mirrored ones are skipped.
 
-    What is said of a variation is said of its textured versions: they are takes of the same step. PersonError where
-    nothing of the recordings fits.
+    Textured versions have the attributes of their variation: they are takes of the same step. PersonError if nothing
+    in the recordings fits.
     """
     clips: list[StepClip] = []
     distances: list[float] = []
@@ -84,7 +83,7 @@ def enrich(steps: Sequence[StepClip], material: Material, wish: Wish, upper: Upp
     kept: list[float] = []
     made = upper == "make" or (upper == "auto" and not means_upper(steps[0]))
     if not made:
-        # what the arms are about is faster than legs: only the first band does not take it away
+        # essential arm motion is faster than that of legs: only the first band preserves it
         wish = replace(wish, synthesize=(), texture=tuple(sorted({*wish.texture, *UPPER})), bands=(wish.bands[0],) * 2)
     for step in steps:
         if step.mirrored:
@@ -111,23 +110,23 @@ MAX_BYTES: Final = 100_000_000
 
 
 def textured_beside(sketch: Path) -> Path:
-    """Where the textured versions of the sketch in this file are kept."""
+    """Return the file of the textured versions of the sketch in this file."""
     return sketch.with_suffix(ENDING)
 
 
 def textured_text(clips: Sequence[StepClip], sketch: str, facts: Mapping[str, Any]) -> str:
-    """What such a file holds: a line of JSON with `facts` for people, and a line with the clips.
+    """Return the text of such a file: a line of JSON with `facts` for people, and a line with the clips.
 
-    `clips` are the versions as made; those of steps that are mirrored come mirrored when they are read.
+    `clips` are the versions without mirror images; reading adds those for mirrored steps.
     """
     header = {"sketch": _digest(sketch), "clips": [clip.clip.name for clip in clips], **facts}
     return json.dumps(header, ensure_ascii=False) + "\n" + clips_to_text(clips) + "\n"
 
 
 def read_textured(sketches: Mapping[str, str]) -> list[StepClip]:
-    """The textured versions that lie beside `sketches`, texts by file name; those of changed sketches are left out.
+    """Read the textured versions of `sketches`, texts by file name, without those of changed sketches.
 
-    PersonError that names a file which cannot be read, and what to do.
+    PersonError names a file that cannot be read, and the remedy.
     """
     found: list[StepClip] = []
     for name, text in sketches.items():
@@ -142,7 +141,7 @@ def read_textured(sketches: Mapping[str, str]) -> list[StepClip]:
 
 
 def stale_textures(sketches: Mapping[str, str]) -> list[Path]:
-    """Files of textured versions whose sketch has been changed since."""
+    """Return the files of textured versions with a sketch that was changed since."""
     paths = [(textured_beside(Path(name)), text) for name, text in sketches.items()]
     return [path for path, text in paths if path.is_file() and _read(path)[0].get("sketch") != _digest(text)]
 

@@ -1,1 +1,1 @@
-"""Motion holds skeleton, clips and poses, from a recording or a sketch to joints in the world. It may import `base`."""
+"""Skeleton, clips and poses: from a recording or a sketch to joints in world space. May import `base`."""

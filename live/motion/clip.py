@@ -1,9 +1,4 @@
-"""Clip: one recorded or sketched motion on the engine's skeleton, built once and read only.
-
-Reading a clip between its samples: SLERP per joint, the root linearly, as everywhere in the engine (T035).
-
-A clip at another rate, or a part of one that begins between two samples.
-"""
+"""Motion clips on the engine's skeleton (immutable), with sampling between frames and resampling (T035)."""
 
 from dataclasses import dataclass
 
@@ -18,7 +13,7 @@ Bool = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clip:
-    """T samples of a pose (T030): root position and local rotations, Y up, floor at y = 0, facing +z at rest."""
+    """T samples of a pose (T030): root position and local rotations, Y up, floor at y = 0, rest pose facing +z."""
 
     name: str
     root_position: Float32
@@ -26,9 +21,9 @@ class Clip:
     rotation: Float32
     """Local rotations, unit quaternions (w, x, y, z), shape (T, J, 4)."""
     sample_rate: float
-    """Samples per second at the clip's own tempo [Hz]."""
+    """Samples per second at the clip's original tempo [Hz]."""
     contact: Bool
-    """Whether the left and the right foot carry or touch the floor, shape (T, 2)."""
+    """Whether the left and the right foot are in contact with the floor, shape (T, 2)."""
 
     def __post_init__(self) -> None:
         samples, joints = self.rotation.shape[:2]
@@ -40,7 +35,7 @@ class Clip:
         if self.contact.shape != (samples, 2):
             raise ValueError(f"clip {self.name!r}: contact {self.contact.shape}, ({samples}, 2) expected")
         if not (np.isfinite(self.root_position).all() and np.isfinite(self.rotation).all()):
-            raise ValueError(f"clip {self.name!r} holds a value that is not a finite number")
+            raise ValueError(f"clip {self.name!r} contains a value that is not a finite number")
         for array in (self.root_position, self.rotation, self.contact):
             array.setflags(write=False)
 
@@ -51,7 +46,7 @@ class Clip:
 
     @property
     def seconds(self) -> float:
-        """Length in seconds at the clip's own tempo: from the first to the last sample."""
+        """Duration [s] at the clip's original tempo, from the first to the last sample."""
         return (self.sample_count - 1) / self.sample_rate
 
 
@@ -59,9 +54,9 @@ Float = npt.NDArray[np.floating]
 
 
 def read_clip(clip: Clip, samples: Float) -> tuple[Float, Float, Bool]:
-    """Root (n, 3), rotations (n, J, 4) and contacts (n, 2) at fractional `samples` (n,); ends are held.
+    """Return root (n, 3), rotations (n, J, 4) and contacts (n, 2) at fractional `samples` (n,), clamped to the clip.
 
-    Motion in float64; a foot is in contact where it is at the nearest sample.
+    Rotations are interpolated by SLERP, the root linearly, in float64. Contacts come from the nearest sample.
     """
     samples = np.clip(np.asarray(samples, np.float64), 0.0, clip.sample_count - 1)
     before = np.minimum(samples.astype(np.int64), max(clip.sample_count - 2, 0))
@@ -77,10 +72,10 @@ def read_clip(clip: Clip, samples: Float) -> tuple[Float, Float, Bool]:
 
 
 def resample(clip: Clip, rate: float, *, first: float = 0.0, last: float | None = None) -> Clip:
-    """The clip from sample `first` to sample `last` (fractions allowed; default: the end), `rate` samples a second.
+    """Return the clip from sample `first` to `last` (fractional; default: the end) at `rate` samples per second.
 
-    Rotations are interpolated by SLERP, the root linearly, contacts taken from the nearest sample. The last new
-    sample is the last one that does not lie beyond `last`. Raises ValueError for a range outside the clip.
+    Rotations are interpolated by SLERP, the root linearly; contacts come from the nearest sample. The last new sample
+    does not lie beyond `last`. Raises ValueError for a range outside the clip.
     """
     end = clip.sample_count - 1.0
     last = end if last is None else last

@@ -1,7 +1,7 @@
-"""Curves through keys in musical time, and filters over samples: the softness of a sketch's motion.
+"""Monotone curves through keys in musical time, and filters over samples, for sketched motion.
 
-Keys are places that are reached, not pulled at: slopes are monotone (Fritsch and Butland 1984), so a curve never
-passes beyond its keys, rests flat where a key is an extreme, and holds where two keys are equal.
+Slopes are monotone (Fritsch and Butland 1984): a curve passes through its keys without overshoot, is flat where a key
+is an extreme, and stays constant between two equal keys.
 """
 
 import numpy as np
@@ -11,7 +11,8 @@ Float = npt.NDArray[np.floating]
 
 
 def monotone_slopes(times: Float, values: Float) -> Float:
-    """Slopes at the keys (K, ...) of the shape-preserving cubic through `values` (K, ...) at `times` (K,); ends 0."""
+    """Return slopes (K, ...) of the shape-preserving cubic through `values` (K, ...) at `times` (K,); 0 at both
+    ends."""
     slopes = np.zeros_like(values)
     if len(times) < 3:
         return slopes
@@ -28,7 +29,8 @@ def monotone_slopes(times: Float, values: Float) -> Float:
 
 
 def hermite(times: Float, values: Float, slopes: Float, at: Float) -> Float:
-    """The C1 cubic with `values` and `slopes` (K, ...) at increasing `times` (K,), read `at` (T,); flat outside."""
+    """Evaluate the C1 cubic with `values` and `slopes` (K, ...) at increasing `times` (K,) `at` (T,); constant
+    outside."""
     if len(times) == 1:
         return np.broadcast_to(values[0], (*at.shape, *values.shape[1:])).copy()
     left = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
@@ -46,12 +48,15 @@ def hermite(times: Float, values: Float, slopes: Float, at: Float) -> Float:
 
 
 def through(times: Float, values: Float, at: Float) -> Float:
-    """The monotone curve through `values` (K, ...) at increasing `times` (K,), read `at` (T,)."""
+    """Evaluate the monotone curve through `values` (K, ...) at increasing `times` (K,) `at` (T,)."""
     return hermite(times, values, monotone_slopes(times, values), at)
 
 
 def repeated(times: Float, values: Float, period: float, drift: float, at: Float) -> tuple[Float, Float]:
-    """Keys (K,) copied every `period` so that they cover `at` with two to spare; values rise by `drift` each time."""
+    """Repeat keys (K,) every `period` so that they cover `at` with two cycles to spare at either end.
+
+    Values increase by `drift` per cycle.
+    """
     first = int(np.floor((at[0] - times[-1]) / period)) - 2
     last = int(np.ceil((at[-1] - times[0]) / period)) + 2
     cycles = np.arange(first, last + 1)
@@ -61,9 +66,9 @@ def repeated(times: Float, values: Float, period: float, drift: float, at: Float
 
 
 def filtered(samples: Float, weights: Float, before: int) -> Float:
-    """`samples` (T, ...) averaged along time with `weights` (n,), of which `before` stand on earlier samples.
+    """Return `samples` (T, ...) averaged along time with `weights` (n,), `before` of which apply to earlier samples.
 
-    Ends are held. Being the same at every sample, a filter keeps exactly repeating what repeats exactly.
+    End values are repeated. The filter is time-invariant, so exactly periodic input gives exactly periodic output.
     """
     flat = samples.reshape(len(samples), -1)
     after = len(weights) - 1 - before
@@ -73,14 +78,17 @@ def filtered(samples: Float, weights: Float, before: int) -> Float:
 
 
 def smoothed(samples: Float, sigma: float) -> Float:
-    """Gaussian low-pass of `samples` (T, ...) along time without delay; `sigma` in samples."""
+    """Apply a zero-delay Gaussian low-pass to `samples` (T, ...) along time; `sigma` in samples."""
     half = max(int(np.ceil(3.0 * sigma)), 1)
     weights = np.exp(-0.5 * (np.arange(-half, half + 1) / sigma) ** 2)
     return filtered(samples, weights / weights.sum(), half)
 
 
 def followed(samples: Float, period: float, damping: float) -> Float:
-    """What hangs on `samples` (T, ...) by a damped spring of natural `period` [samples]: it lags and swings through."""
+    """Return the response of a damped spring of natural `period` [samples] that follows `samples` (T, ...).
+
+    The result lags and overshoots.
+    """
     count = int(np.ceil(1.5 * period))
     angle = np.arange(count) * (2.0 * np.pi / period)
     response = np.exp(-damping * angle) * np.sin(np.sqrt(1.0 - damping * damping) * angle)
@@ -88,5 +96,5 @@ def followed(samples: Float, period: float, damping: float) -> Float:
 
 
 def soft_min(a: Float, b: Float, width: float) -> Float:
-    """A smooth function that is never above either of `a` and `b`, and differs from the lesser by < `width` / 2."""
+    """Return a smooth function never above `a` or `b`, within `width` / 2 of the smaller one."""
     return np.asarray(0.5 * (a + b - np.sqrt((a - b) ** 2 + width * width)))

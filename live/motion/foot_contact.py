@@ -1,4 +1,4 @@
-"""Which foot is on the floor: height and speed with hysteresis."""
+"""Foot contact detection from height and speed, with hysteresis."""
 
 from typing import Final
 
@@ -11,27 +11,27 @@ Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
 TOES_OVER_SOLE: Final = SOLE_BELOW_ANKLE + float(SKELETON.offsets[SKELETON.index("leftToes"), 1])
-"""Height [m] of the toe joint over the floor when the foot stands flat."""
+"""Height [m] of the toe joint over the floor when the foot is flat."""
 
 SPEED_ON: Final = 0.15
-"""A foot slower than this [m/s] may land; the usual bar for contact (toe speed, median over 0.1 s)."""
+"""A foot must be slower than this [m/s] for contact to start; the usual threshold (toe speed, median over 0.1 s)."""
 SPEED_OFF: Final = 0.45
-"""A foot faster than this [m/s] has left; it may slide or pivot below it, as dancers do."""
+"""Contact ends above this speed [m/s]; below it the foot may slide or pivot, as dancers do."""
 HEIGHT_ON: Final = 0.045
 HEIGHT_OFF: Final = 0.09
-"""Heights [m] of the lower one of heel and toe, likewise."""
+"""Heights [m] of the lower of heel and toe for contact to start and to end."""
 SPEED_WINDOW: Final = 0.1
-"""Seconds over which the median of the speed is taken."""
+"""Length of the speed's median window [s]."""
 SHORTEST: Final = 0.08
-"""Contacts and gaps shorter than this [s] are flicker."""
+"""Contacts and gaps shorter than this [s] are treated as flicker."""
 
 
 def find_contacts(ankles: Float, toes: Float, sample_rate: float) -> Bool:
-    """Contact of the left and the right foot, shape (T, 2).
+    """Return the contact of the left and the right foot, shape (T, 2).
 
-    `ankles` and `toes` are world positions [m] of shape (T, 2, 3), the floor at y = 0. Of heel and toes the lower
-    and the slower one counts (one stands and pivots on either). A foot lands when it is low and slow and leaves when
-    it is high or fast; between the two bars it does what it did.
+    `ankles` and `toes` are world positions [m] of shape (T, 2, 3), the floor at y = 0. The lower height and the lower
+    speed of heel and toes count, because a dancer stands and pivots on either. Contact starts when the foot is low and
+    slow, ends when it is high or fast, and is unchanged between the two thresholds.
     """
     samples = ankles.shape[0]
     heights = np.stack((ankles[..., 1] - SOLE_BELOW_ANKLE, toes[..., 1] - TOES_OVER_SOLE), axis=-1)
@@ -67,7 +67,7 @@ def _hold(on: Bool, off: Bool) -> Bool:
 
 
 def _without_flicker(contact: Bool, shortest: int) -> Bool:
-    """First fill gaps, then drop contacts of fewer than `shortest` samples; those at the ends may be cut and stay."""
+    """Fill short gaps, then drop contacts shorter than `shortest` samples; runs that touch an end are kept."""
     contact = contact.copy()
     for value in (False, True):
         edges = np.flatnonzero(np.diff(contact))

@@ -1,4 +1,4 @@
-"""Forward kinematics in numpy over the samples of a clip: for what is done once (metrics, tools, tests)."""
+"""Forward kinematics in numpy over the samples of a clip, for offline work (metrics, tools, tests)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,10 @@ Float = npt.NDArray[np.floating]
 
 
 def forward_kinematics(root_position: Float, rotation: Float, skeleton: Skeleton = SKELETON) -> tuple[Float, Float]:
-    """World positions [m] (T, J, 3) and world rotations (T, J, 4) of all joints.
+    """Return world positions [m] (T, J, 3) and world rotations (T, J, 4) of all joints.
 
-    `root_position` (T, 3) [m] is the world position of the root, `rotation` (T, J, 4) holds local unit quaternions.
-    The results have the wider of the two element types.
+    `root_position` (T, 3) [m] is the world position of the root, `rotation` (T, J, 4) holds local unit quaternions. The
+    results have the wider of the two dtypes.
     """
     positions = np.empty((*rotation.shape[:2], 3), np.result_type(root_position, rotation))
     rotations = np.empty(rotation.shape, positions.dtype)
@@ -29,7 +29,7 @@ def forward_kinematics(root_position: Float, rotation: Float, skeleton: Skeleton
 
 
 def local_rotations(world: Float, skeleton: Skeleton = SKELETON) -> Float:
-    """Local rotations (T, J, 4), float64 and unit, of world rotations (T, J, 4): what undoes `forward_kinematics`."""
+    """Return local unit rotations (T, J, 4), float64, from world rotations (T, J, 4)."""
     world = np.asarray(world, np.float64)
     rotation = world.copy()
     for joint, parent in enumerate(skeleton.parents):

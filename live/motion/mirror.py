@@ -1,4 +1,4 @@
-"""The other side of the body: what the right does, the left does (T042)."""
+"""Mirroring of clips and steps: left and right exchanged (T042)."""
 
 import re
 from dataclasses import replace
@@ -17,7 +17,7 @@ _ROTATION_REFLECTION = np.array((1.0, 1.0, -1.0, -1.0), np.float32)
 
 
 def mirror_clip(clip: Clip, name: str | None = None) -> Clip:
-    """The clip reflected in the plane x = 0, left and right joints exchanged (T042); `name` as given or kept."""
+    """Return the clip mirrored in the plane x = 0, left and right joints exchanged (T042); `name` replaces its name."""
     return Clip(
         name=clip.name if name is None else name,
         root_position=clip.root_position * _REFLECTION,
@@ -28,7 +28,7 @@ def mirror_clip(clip: Clip, name: str | None = None) -> Clip:
 
 
 def other_side(words: str) -> str:
-    """The words with left and right exchanged: "left foot in front" becomes "right foot in front"."""
+    """Return the text with left and right exchanged: "left foot in front" becomes "right foot in front"."""
 
     def exchange(found: re.Match[str]) -> str:
         word = "right" if found[0].lower() == "left" else "left"
@@ -38,9 +38,9 @@ def other_side(words: str) -> str:
 
 
 def mirror_step(step: StepClip) -> StepClip:
-    """The step danced on the other side (T042): mirrored motion, and left and right exchanged in what is said of it.
+    """Return the step mirrored (T042): motion, direction, leading foot and pose names.
 
-    That is the direction, the leading foot and the names of the poses; `mirrored` is turned over.
+    `mirrored` is inverted.
     """
     name = step.clip.name.removesuffix(" (mirrored)")
     if not step.mirrored:

@@ -1,8 +1,8 @@
-"""Packed poses: the engine's skeleton at one moment as 192 plain letters, for poses that come over a network.
+"""Packed poses: the engine's skeleton at one moment as 192 ASCII characters, for poses sent over a network.
 
-Hips as three float32 [m], little endian; then each joint's local rotation by its three smallest components, 15 bits
-each and 2 bits that say which one was left out, big endian: 144 bytes, base64. What is packed is the pose from then on,
-so a show that ran live and its replay from the journal see the same bits. A rotation is off by 0.009 degrees at most.
+Hips as three float32 [m], little endian; then each joint's local rotation as its three smallest components, 15 bits
+each and 2 bits for the index of the omitted one, big endian: 144 bytes, base64. The engine uses the pose only after
+packing, so a live show and its replay from the journal use identical bits. The rotation error is 0.009 degrees at most.
 """
 
 import base64
@@ -18,26 +18,26 @@ from live.motion.skeleton import JOINT_COUNT
 Float32 = npt.NDArray[np.float32]
 
 LETTERS: Final = 192
-"""Length of a packed pose."""
+"""Number of characters of a packed pose."""
 FARTHEST: Final = 1000.0
-"""Nobody's hips are farther from the origin [m]."""
+"""Largest distance of the hips from the origin along an axis [m]."""
 _ROOT: Final = 12
 _OTHERS: Final = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)], np.intp)
-"""Which components are kept where the first, second ... is left out."""
+"""The components that are kept when the first, second, … is omitted."""
 _ROWS: Final = np.arange(JOINT_COUNT)
 
 
 def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
-    """The pose with `hips` (3,) [m] and local unit quaternions `rotation` (J, 4) (w, x, y, z).
+    """Pack the pose with `hips` (3,) [m] and local unit quaternions `rotation` (J, 4) (w, x, y, z).
 
-    ValueError for what is no pose: numbers that are none, hips farther than `FARTHEST`, rotations without length.
+    Raises ValueError for an invalid pose: not finite, hips beyond `FARTHEST`, or rotations of zero length.
     """
     root, turned = np.asarray(hips, np.float64), np.asarray(rotation, np.float64)
     if root.shape != (3,) or turned.shape != (JOINT_COUNT, 4):
         raise ValueError(f"hips {root.shape} and rotation {turned.shape}: (3,) and ({JOINT_COUNT}, 4) expected")
     length = np.linalg.norm(turned, axis=1, keepdims=True)
     if not (np.abs(root) <= FARTHEST).all() or not ((length > 1e-3) & (length < 1e3)).all():
-        raise ValueError("a pose holds what is no place or no rotation")
+        raise ValueError("the pose contains an invalid position or rotation")
     turned = turned / length
     left_out = np.abs(turned).argmax(axis=1)
     kept = (
@@ -53,9 +53,9 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
 
 
 def unpack_pose(text: str) -> tuple[Float32, Float32]:
-    """Hips (3,) [m] and local unit quaternions (J, 4) of a packed pose; ValueError for anything else."""
+    """Return hips (3,) [m] and local unit quaternions (J, 4) of a packed pose; raises ValueError if it is invalid."""
     if len(text) != LETTERS:
-        raise ValueError(f"a packed pose has {LETTERS} letters, this has {len(text)}")
+        raise ValueError(f"a packed pose has {LETTERS} characters, this has {len(text)}")
     try:
         data = base64.b64decode(text, validate=True)
     except (binascii.Error, ValueError) as error:
@@ -64,7 +64,7 @@ def unpack_pose(text: str) -> tuple[Float32, Float32]:
         raise ValueError("a packed pose is damaged: bytes are missing")
     hips = np.frombuffer(data, "<f4", 3).astype(np.float32)
     if not (np.abs(hips) <= FARTHEST).all():
-        raise ValueError("a packed pose has its hips nowhere")
+        raise ValueError("a packed pose has its hips out of range")
     rotation = np.empty((JOINT_COUNT, 4), np.float32)
     read_rotations(rotation, np.frombuffer(bytearray(data[_ROOT:]), np.uint8))
     return hips, rotation

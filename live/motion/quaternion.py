@@ -1,10 +1,7 @@
-"""Quaternions (w, x, y, z) as numpy arrays (..., 4), all broadcasting: for work done once, when clips are made.
+"""Quaternions (w, x, y, z) as numpy arrays (..., 4), with broadcasting, for offline work on clips.
 
-The frame loop uses the scalar kernels of `live.base.scalar_kernels` instead.
-
-Euler angles in any order to quaternions: what BVH channels mean (T164).
-
-The mean of rotations, and a rotation taken farther from it or nearer to it.
+Includes Euler angles in any order (BVH channels, T164), mean rotations, and scaling of rotations about a mean. The
+frame loop uses the scalar kernels of `live.base.scalar_kernels` instead.
 """
 
 from typing import Final
@@ -19,13 +16,13 @@ _TINY: Final = 1e-12
 
 
 def unit(vector: Float) -> Float:
-    """Vectors or quaternions (..., n) scaled to length 1; zero vectors stay zero."""
+    """Normalize vectors or quaternions (..., n); zero vectors stay zero."""
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.asarray(vector / np.maximum(length, _TINY))
 
 
 def mul(a: Float, b: Float) -> Float:
-    """Hamilton product a b, (..., 4): rotate by b first, then by a."""
+    """Hamilton product a b, (..., 4): rotates by b first, then by a."""
     aw, ax, ay, az = np.moveaxis(np.asarray(a), -1, 0)
     bw, bx, by, bz = np.moveaxis(np.asarray(b), -1, 0)
     return np.stack(
@@ -61,7 +58,7 @@ def slerp(a: Float, b: Float, t: Float) -> Float:
     dot = np.minimum(np.abs(dot), 1.0)
     angle = np.arccos(dot)
     sine = np.sin(angle)
-    near = sine < 1e-4  # the chord is the arc, and the sine too small to divide by
+    near = sine < 1e-4  # small angle: use the chord, the sine is too small to divide by
     safe = np.where(near, 1.0, sine)
     weight_a = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / safe)
     weight_b = np.where(near, t, np.sin(t * angle) / safe) * sign
@@ -69,7 +66,7 @@ def slerp(a: Float, b: Float, t: Float) -> Float:
 
 
 def from_axis_angle(axis: Float, angle: Float) -> Float:
-    """Rotation by `angle` [rad] (...) about `axis` (..., 3), which need not be of length 1."""
+    """Rotation by `angle` [rad] (...) about `axis` (..., 3), of any length."""
     half = 0.5 * np.asarray(angle)[..., None]
     axis, half = np.broadcast_arrays(unit(np.asarray(axis)), half)
     return np.concatenate((np.cos(half[..., :1]), np.sin(half) * axis), axis=-1)
@@ -83,7 +80,7 @@ def from_rotation_vector(vector: Float) -> Float:
 
 
 def to_rotation_vector(q: Float) -> Float:
-    """Axis times angle [rad], at most pi long, (..., 3), of unit quaternions: the logarithm."""
+    """Axis times angle [rad], at most pi long, (..., 3), of unit quaternions: the logarithm map."""
     q = np.where(np.asarray(q)[..., :1] < 0.0, -np.asarray(q), q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
     scale = np.where(sine < 1e-9, 2.0, 2.0 * np.arctan2(sine, q[..., :1]) / np.maximum(sine, 1e-9))
@@ -91,16 +88,16 @@ def to_rotation_vector(q: Float) -> Float:
 
 
 def from_two_vectors(start: Float, end: Float) -> Float:
-    """Shortest rotation that turns the direction `start` (..., 3) into `end`; for opposite ones about any normal."""
+    """Shortest rotation from direction `start` (..., 3) to `end`; for opposite directions about any normal."""
     a, b = np.broadcast_arrays(unit(np.asarray(start)), unit(np.asarray(end)))
     dot = np.sum(a * b, axis=-1, keepdims=True)
-    least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]  # an axis that is surely not parallel to a
+    least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]  # an axis that is not parallel to a
     turn = np.where(dot < -1.0 + 1e-9, np.cross(a, least), np.cross(a, b))
     return unit(np.concatenate((np.where(dot < -1.0 + 1e-9, 0.0, 1.0 + dot), turn), axis=-1))
 
 
 def from_columns(x: Float, y: Float, z: Float) -> Float:
-    """Rotation that takes the axes to the orthonormal, right-handed x, y, z, each (..., 3) (Shepperd's method)."""
+    """Rotation from the world axes to the orthonormal, right-handed x, y, z, each (..., 3) (Shepperd's method)."""
     m = np.stack((x, y, z), axis=-1)
     m00, m11, m22 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
     squares = np.stack((1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22), -1)
@@ -115,7 +112,7 @@ def from_columns(x: Float, y: Float, z: Float) -> Float:
 
 
 def continuous(q: Float) -> Float:
-    """The same rotations (T, ..., 4) with signs chosen so that each is nearest to the one before along axis 0."""
+    """The same rotations (T, ..., 4) with signs chosen so that each is nearest to its predecessor along axis 0."""
     q = np.asarray(q)
     flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
     signs = (
@@ -125,11 +122,10 @@ def continuous(q: Float) -> Float:
 
 
 def euler_to_quaternion(angles: Float, order: str) -> Float:
-    """Unit quaternions (..., 4) of the rotations about the axes named in `order`, one angle each, (..., n) [rad].
+    """Return unit quaternions (..., 4) of rotations about the axes in `order`, one angle each, (..., n) [rad].
 
-    `order` is read as BVH reads its channels: "ZXY" turns the child by R = Rz Rx Ry (column vectors), that is first
-    about y, then about the x and the z of the parent. Any number of axes from "XYZ" may be named, also one twice;
-    "" gives the identity.
+    `order` follows BVH channels: "ZXY" rotates the child by R = Rz Rx Ry (column vectors), first about y, then about
+    the x and the z of the parent. Any number of axes from "XYZ" is allowed, with repetition; "" gives the identity.
     """
     half = 0.5 * np.asarray(angles, np.float64)
     if half.shape[-1] != len(order):
@@ -139,7 +135,7 @@ def euler_to_quaternion(angles: Float, order: str) -> Float:
     cosine, sine = np.cos(half), np.sin(half)
     for place, axis in enumerate(order):
         k = 1 + "XYZ".index(axis)
-        i, j = k % 3 + 1, (k + 1) % 3 + 1  # the next axes in the circle x, y, z
+        i, j = k % 3 + 1, (k + 1) % 3 + 1  # the next axes in cyclic order x, y, z
         c, s = cosine[..., place], sine[..., place]
         w, along, first, second = (result[..., n].copy() for n in (0, k, i, j))
         result[..., 0] = w * c - along * s
@@ -150,13 +146,13 @@ def euler_to_quaternion(angles: Float, order: str) -> Float:
 
 
 _FADE: Final = np.radians((150.0, 180.0))
-"""Rotations this far from the mean are scaled less and less: at half a turn both ways round are the same place."""
+"""Between these distances from the mean the scaling fades out: at half a turn there is no shorter direction."""
 
 
 def mean_rotation(rotation: Float) -> Float:
-    """Mean (..., 4) of rotations (T, ..., 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
+    """Return the mean (..., 4) of rotations (T, ..., 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
 
-    It minimises the sum of squared chordal distances and does not care for the signs of quaternions (Markley et al.,
+    It minimises the sum of squared chordal distances and is independent of the quaternions' signs (Markley et al.,
     Averaging quaternions, 2007). w is not negative.
     """
     q = np.moveaxis(np.asarray(rotation, np.float64), 0, -2)
@@ -166,10 +162,10 @@ def mean_rotation(rotation: Float) -> Float:
 
 
 def scale_from(mean: Float, rotation: Float, factor: npt.ArrayLike) -> Float:
-    """mean · (mean⁻¹ q) ^ factor, for rotations q (..., 4) (T058): what is 1 in `factor` (...) stays as it is.
+    """Return mean · (mean⁻¹ q) ^ factor for rotations q (..., 4) (T058); where `factor` (...) is 1, q is unchanged.
 
-    The power scales the angle of the shorter way from the mean. Beyond 150 degrees the factor fades to 1 at 180,
-    where there is no shorter way; no joint of a body swings so far.
+    The power scales the angle along the shorter arc from the mean. Between 150 and 180 degrees the factor fades to 1,
+    because at 180 there is no shorter arc; no body joint turns that far.
     """
     rotation = np.asarray(rotation, np.float64)
     factor = np.asarray(factor, np.float64)

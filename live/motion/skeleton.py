@@ -1,9 +1,8 @@
-"""The engine's own skeleton: 22 joints with VRM humanoid names, 1.7 m tall, rest pose = T-pose facing +z.
+"""The engine's skeleton: 22 joints with VRM humanoid names, 1.7 m tall, T-pose facing +z as rest pose.
 
-In the rest pose every joint's rotation is the identity (world axes), the arms point along ±x (left = +x, because
-the dancer faces the audience at +z), Y is up and the soles stand at y = 0.
-
-Where the engine's last bones end: crown, fingertips and tips of the toes, for files that must say so.
+In the rest pose every joint rotation is the identity (world axes), the arms point along ±x (left = +x, because the
+dancer faces the audience at +z), Y is up and the soles are at y = 0. `BONE_TIPS` gives the ends of the last bones
+(crown, fingertips, toe tips) for file formats that need them.
 """
 
 from dataclasses import dataclass
@@ -16,14 +15,14 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 BODY_HEIGHT: Final = 1.7
-"""Metres from the floor to the crown in the rest pose."""
+"""Height of the crown over the floor in the rest pose [m]."""
 SOLE_BELOW_ANKLE: Final = 0.085
-"""Height [m] of the ankle joint (`leftFoot`) over the floor when the foot stands flat."""
+"""Height [m] of the ankle joint (`leftFoot`) over the floor when the foot is flat."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Skeleton:
-    """Joints depth first; offsets are in the parent's rest axes (J joints)."""
+    """Joints in depth-first order; offsets are in the parent's rest axes (J joints)."""
 
     names: tuple[str, ...]
     parents: Int32
@@ -37,7 +36,7 @@ class Skeleton:
         return len(self.names)
 
     def index(self, name: str) -> int:
-        """Index of the joint called `name`; raises ValueError if there is none."""
+        """Return the index of the joint called `name`; raises ValueError if there is none."""
         return self.names.index(name)
 
     def rest_positions(self) -> Float32:
@@ -103,14 +102,14 @@ MIRROR: Final = tuple(
     SKELETON.index(name.replace("left", "right", 1) if name.startswith("left") else name.replace("right", "left", 1))
     for name in SKELETON.names
 )
-"""For each joint the joint on the other side of the body (T042)."""
+"""For each joint the index of the opposite joint (T042)."""
 
 
 _HEAD: Final = float(SKELETON.rest_positions()[SKELETON.index("head"), 1])
 _HAND: Final = 0.18
 """From the wrist to the fingertips [m]."""
 _TOES: Final = 0.07
-"""From the ball of the foot to the tip of the toes [m]."""
+"""From the ball of the foot to the toe tip [m]."""
 
 BONE_TIPS: Final = {
     SKELETON.index("head"): (0.0, round(BODY_HEIGHT - _HEAD, 6), 0.0),
@@ -119,4 +118,4 @@ BONE_TIPS: Final = {
     SKELETON.index("leftToes"): (0.0, 0.0, _TOES),
     SKELETON.index("rightToes"): (0.0, 0.0, _TOES),
 }
-"""For each joint without children the end of its bone in the rest pose, seen from the joint [m]."""
+"""For each joint without children the end of its bone in the rest pose, relative to the joint [m]."""

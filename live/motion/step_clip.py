@@ -1,8 +1,7 @@
-"""StepClip: a clip that holds one danced step of whole measures, with the lead-in before it (T039, T040, T042).
+"""Step clips: one danced step of whole measures with its lead-in (T039, T040, T042), and measurements of it.
 
-What can be measured of a step clip: its way (T040, T131), its contacts on the beats, how far its feet slide.
-
-Clips of the same step are aligned by construction: where the samples of one lie in the other (T044, T045).
+Measurements: travel (T040, T131), contacts per beat, foot slide. Clips of the same step are aligned by construction
+(T044, T045).
 """
 
 import itertools
@@ -28,10 +27,10 @@ DIRECTIONS: Final = (
     "long left",
     "long back",
 )
-"""The nine directions of T131, as the dancer sees them: her right, not the audience's."""
+"""The nine directions of T131 from the dancer's point of view: the dancer's right, not the audience's."""
 
 LeadingFoot = Literal["", "left", "right"]
-"""The foot that begins a step; "" where nobody has said."""
+"""The foot that begins a step; "" if unknown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,33 +41,33 @@ class StepClip:
     """Name of the step; clips of one name form a cluster (T041)."""
     clip: Clip
     first: float
-    """Sample at which the first measure begins; the samples before it are the lead-in."""
+    """Sample at which the first measure begins; earlier samples are the lead-in."""
     samples_per_measure: float
     measures: int = 1
     beats_per_measure: int = 4
     bpm: float = 120.0
-    """Tempo at which the clip plays at its own speed."""
+    """Original tempo of the clip."""
     direction: str = "in place"
-    """One of DIRECTIONS: as written, else as measured."""
+    """One of DIRECTIONS, as annotated, else as measured."""
     distance_m: float = 0.0
-    """Length of the way from the first to the last measure line [m], as written, else as measured."""
+    """Distance travelled from the first to the last measure line [m], as annotated, else as measured."""
     mirrored: bool = False
-    """True if this is the mirror image of what was recorded or sketched (T042)."""
+    """True if this is the mirror image of the recording or sketch (T042)."""
     leading_foot: LeadingFoot = ""
     """Structural variation (T042, T046)."""
     begin_pose: str = ""
-    """Name of the pose in which it begins (T136); "" follows any."""
+    """Name of the pose in which the step begins (T136); "" may follow any pose."""
     end_pose: str = ""
-    """Name of the pose in which it ends (T136); "" leads to any."""
+    """Name of the pose in which the step ends (T136); "" may lead to any pose."""
     weight_transfer: bool = False
-    """True if the weight ends on the other foot, so that a repeat must be danced on the other side (T135)."""
+    """True if the weight ends on the other foot, so that a repeat must be mirrored (T135)."""
     author: str = ""
-    """Who danced or wrote it."""
+    """The dancer or author."""
     style: str = ""
-    """Stylistic variation in a word: how it is danced."""
+    """Stylistic variation in one word."""
     tags: tuple[str, ...] = ()
     in_stream: bool = False
-    """True for a measure of a recording that nobody has cut into steps (T037): its neighbours are no takes of it."""
+    """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure
@@ -89,14 +88,15 @@ class StepClip:
 Float64 = npt.NDArray[np.float64]
 
 IN_PLACE: Final = 0.15
-"""A step that gets less than this far [m] in a measure is danced in place."""
+"""A step that travels less than this per measure [m] counts as in place."""
 LONG: Final = 0.55
-"""A step that gets farther than this [m] in a measure is a long one (T131: sketches go 0.35 or 0.75)."""
+"""A step that travels farther than this per measure [m] counts as long (T131: sketches travel 0.35 or 0.75)."""
 _FEET: Final = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
 
 
 def travel(step: StepClip) -> Float64:
-    """Way of the hips (x, z) [m] from the first to the last measure line, in the clip's own axes, shape (2,)."""
+    """Return the travel of the hips (x, z) [m] from the first to the last measure line, in the clip's axes, shape
+    (2,)."""
     ends = np.array((step.first, step.first + step.measures * step.samples_per_measure))
     low = np.clip(ends.astype(np.int64), 0, step.clip.sample_count - 1)
     high = np.minimum(low + 1, step.clip.sample_count - 1)
@@ -107,12 +107,12 @@ def travel(step: StepClip) -> Float64:
 
 
 def measured_distance(step: StepClip) -> float:
-    """Length of that way [m]."""
+    """Return the length of `travel` [m]."""
     return float(np.hypot(*travel(step)))
 
 
 def measured_direction(step: StepClip) -> str:
-    """The one of DIRECTIONS (T131) that comes nearest to the way: clips begin facing +z, her left is at +x."""
+    """Return the DIRECTIONS entry (T131) nearest to the travel; clips begin facing +z, the dancer's left is +x."""
     x, z = travel(step)
     distance = math.hypot(x, z) / step.measures
     if distance < IN_PLACE:
@@ -124,7 +124,7 @@ def measured_direction(step: StepClip) -> str:
 
 
 def beat_contacts(step: StepClip) -> Float64:
-    """Share of each beat during which the left and the right foot are on the floor, 0 to 1, shape (beats, 2)."""
+    """Return the share of each beat in which the left and the right foot are in contact, 0 to 1, shape (beats, 2)."""
     per_beat = step.samples_per_measure / step.beats_per_measure
     edges = np.round(step.first + np.arange(step.beats + 1) * per_beat).astype(np.int64)
     edges = np.clip(edges, 0, step.clip.sample_count - 1)
@@ -134,9 +134,9 @@ def beat_contacts(step: StepClip) -> Float64:
 
 
 def foot_slide(step: StepClip) -> float | None:
-    """Mean speed over the floor [m/s] of the feet while they are in contact; None if neither ever is.
+    """Return the mean horizontal speed [m/s] of the feet in contact; None without contact.
 
-    Of heel and ball the one that stands stiller counts, as in the report of a film.
+    The slower of heel and ball counts, as in the report of a film.
     """
     first, last = int(step.first), math.ceil(step.first + step.measures * step.samples_per_measure)
     part = slice(first, last + 1)
@@ -154,7 +154,7 @@ Float = npt.NDArray[np.floating]
 
 
 def check_same_step(a: StepClip, b: StepClip) -> None:
-    """ValueError, in words for a person, unless both are the same step of the same measures (T040)."""
+    """Raise ValueError with a readable message unless both are the same step of equal measures (T040)."""
     if a.step != b.step:
         raise ValueError(f"{a.step!r} and {b.step!r} are different steps; only clips of one step are aligned")
     for field, words in (("measures", "measures"), ("beats_per_measure", "beats in a measure")):
@@ -164,9 +164,9 @@ def check_same_step(a: StepClip, b: StepClip) -> None:
 
 
 def check_same_structure(a: StepClip, b: StepClip) -> None:
-    """ValueError unless both are the same step in the same structural variation (T046): foot and poses at both ends.
+    """Raise ValueError unless both are the same step in the same structural variation (T046): foot and end poses.
 
-    Where nobody has said which foot leads, a mirrored clip is taken for the other foot.
+    If a leading foot is unknown, `mirrored` is compared instead.
     """
     check_same_step(a, b)
     fields = ["begin_pose", "end_pose", "weight_transfer"]
@@ -182,6 +182,6 @@ def check_same_structure(a: StepClip, b: StepClip) -> None:
 
 
 def samples_in(other: StepClip, of: StepClip) -> Float:
-    """For each sample of `of`, where the same moment of the step lies in `other`, in fractional samples (T,)."""
+    """For each sample of `of`, return the corresponding fractional sample of `other`, (T,)."""
     own = np.arange(of.clip.sample_count) - of.first
     return np.asarray(other.first + own * (other.samples_per_measure / of.samples_per_measure))

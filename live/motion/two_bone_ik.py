@@ -1,4 +1,4 @@
-"""Two-bone inverse kinematics for arms and legs, over all samples at once."""
+"""Two-bone inverse kinematics for arms and legs, vectorized over samples."""
 
 import numpy as np
 import numpy.typing as npt
@@ -8,7 +8,8 @@ from live.motion import quaternion
 Float = npt.NDArray[np.floating]
 
 SOFTNESS = 0.012
-"""The last share of a limb's length that is only approached: a limb that reaches for too much never snaps straight."""
+"""Last share of a limb's length that is approached asymptotically, so that an overextended limb does not snap
+straight."""
 
 
 def two_bone(
@@ -20,11 +21,11 @@ def two_bone(
     lower: float,
     softness: float = SOFTNESS,
 ) -> tuple[Float, Float]:
-    """Positions (..., 3) of the middle joint and of the end of a limb that starts at `root` and reaches for `target`.
+    """Return positions (..., 3) of the middle joint and the end of a limb from `root` towards `target`.
 
-    `pole` (..., 3) is the direction in which the middle joint points. `upper` and `lower` [m] are the lengths of the
-    bones. The end is exactly on the target while its distance lies between `|upper - lower|` and `1 - softness` of
-    the whole length; beyond that it falls short softly. A target on the root bends the limb away from the pole.
+    `pole` (..., 3) is the direction in which the middle joint points. `upper` and `lower` [m] are the bone lengths. The
+    end is exactly on the target while its distance lies between `|upper - lower|` and `1 - softness` of the total
+    length; beyond that it falls short smoothly. A target at the root bends the limb away from the pole.
     """
     whole = upper + lower
     soft = softness * whole
@@ -45,10 +46,9 @@ def two_bone(
 
 
 def hinge_axis(root: Float, target: Float, pole: Float) -> Float:
-    """The unit normal (..., 3) of the plane in which a limb from `root` to `target` bends towards `pole`.
+    """Return the unit normal (..., 3) of the plane in which a limb from `root` to `target` bends towards `pole`.
 
-    Both bones lie in that plane. It says how they are turned about themselves even where one of them points along the
-    pole, which the pole alone cannot say.
+    Both bones lie in that plane. The normal determines their twist even where a bone is parallel to the pole.
     """
     normal = np.cross(target - root, pole)
     size = np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -56,7 +56,7 @@ def hinge_axis(root: Float, target: Float, pole: Float) -> Float:
 
 
 def bone_rotation(direction: Float, hinge: Float, rest_direction: Float, rest_hinge: Float) -> Float:
-    """World rotations (..., 4) that lay a bone from `rest_direction` along `direction` and its `rest_hinge` on `hinge`.
+    """Return world rotations (..., 4) that take `rest_direction` to `direction` and `rest_hinge` to `hinge`.
 
     The hinge need not be normal to the direction; `rest_direction` and `rest_hinge` (3,) must be.
     """
@@ -70,7 +70,7 @@ def bone_rotation(direction: Float, hinge: Float, rest_direction: Float, rest_hi
 
 
 def _any_normal(vector: Float) -> Float:
-    """Some vector (..., 3) that is normal to `vector`."""
+    """Return some vector (..., 3) normal to `vector`."""
     size = np.linalg.norm(vector, axis=-1, keepdims=True)
     vector = np.where(size > 1e-9, vector, (0.0, 1.0, 0.0))
     least = np.eye(3)[np.argmin(np.abs(vector), axis=-1)]

@@ -1,4 +1,4 @@
-"""Render draws the stage snapshot of `base` and knows nothing else of a show.
+"""Rendering of the stage snapshot from `base`, independent of the rest of the show.
 
 It may import `motion`, `clock` and `base`.
 """

@@ -1,9 +1,8 @@
-"""The ladder of quality: what is left out, step by step, when a machine cannot keep up, and when it comes back.
+"""Quality levels of the picture, and the controller that changes them with frame times.
 
-Down at once, for a late frame is seen; up slowly, for a step that is taken back at once is seen, too. Only what is
-drawn changes, never what is danced.
-
-How much a picture may cost: one tier for software rendering, one for graphics cards and films without haste.
+One tier is for software rendering, one for graphics cards and offline films. Quality goes down at once, because a late
+frame is visible, and up slowly, because a change that is soon reverted is visible too. Only the drawing changes, never
+the dance.
 """
 
 from collections.abc import Callable
@@ -16,35 +15,35 @@ from live.render.body.body_mesh import DISTANT, FINE, LIGHT
 
 _SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader", "microsoft basic render")
 _MEDIUM_ABOVE: Final = 120
-"""With more dancers than this even a graphics card draws the light body, and the coarse one far away."""
+"""With more dancers than this, a graphics card also draws the light body, and the distant one far away."""
 
 
 @dataclass(frozen=True, slots=True)
 class Quality:
-    """What the passes ask before they allocate and draw."""
+    """Quality settings that the passes read before they allocate and draw."""
 
     samples: int
-    """Multisampling of the picture. 0: surfaces first, each pixel lit once, edges smoothed after, all in 8 bits;
-    more: lit while drawn, in half floats, with glow around what is bright."""
+    """Multisampling of the picture. 0: deferred shading with edge smoothing, in 8 bits; more: forward shading in half
+    floats, with bloom."""
     near_level: int
     """Body of the nearest dancers."""
     near_count: int
-    """How many dancers at most get the near body; the others get `far_level`."""
+    """Maximum number of dancers with the near body; the others get `far_level`."""
     far_level: int
     floor_map: int
-    """Texels along the longer side of the floor's map of shadows and elements (cast at twice that)."""
+    """Texels along the longer side of the floor's map of shadows and elements (shadows are cast at twice that)."""
     mirror_divisor: int
     """The dancers' mirror images in the floor are drawn at 1/n of the picture's size."""
     left_out: tuple[str, ...] = ()
-    """Passes that are not drawn, whatever is asked for."""
+    """Passes that are never drawn at this quality."""
     scale: float = 1.0
-    """The scene is drawn at this share of the picture's size each way, and stretched."""
+    """The scene is drawn at this share of the picture's width and height, and stretched."""
     far_from: float = 12.0
-    """Nobody nearer to the camera than this [m] gets the far body, however many they are."""
+    """Dancers nearer to the camera than this [m] never get the far body."""
     points: int = 3000
-    """Points of light on a dancer who is drawn as particles, at most."""
+    """Maximum number of points of a dancer drawn as particles."""
     ribbon_pieces: int = 96
-    """Pieces of each ribbon that are drawn; fewer make it shorter."""
+    """Drawn pieces of each ribbon; fewer make it shorter."""
     ghost_level: int = LIGHT
     """Body of the ghosts of trails."""
 
@@ -52,17 +51,17 @@ class Quality:
 SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
-"""For a graphics card, or for films that may take their time."""
+"""For a graphics card, or for offline films."""
 
 
 def is_software(ctx: moderngl.Context) -> bool:
-    """Whether pictures are computed by the processor, from the renderer's own name."""
+    """Whether OpenGL renders in software, judged by the renderer's name."""
     name = str(ctx.info["GL_RENDERER"]).lower()
     return any(word in name for word in _SOFTWARE)
 
 
 def choose(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:
-    """The tier for this driver; `samples` overrides its multisampling (lowered to what the driver can).
+    """Return the tier for this driver; `samples` overrides its multisampling, limited to the driver's maximum.
 
     Raises ValueError if `samples` is negative.
     """
@@ -76,40 +75,40 @@ def choose(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Qua
 
 
 HALFLIFE: Final = 1.0
-"""After so many seconds a late frame counts half; after a step only those count that came since."""
+"""After so many seconds a late frame counts half. A step resets the count."""
 DOWN: Final = 0.06
-"""A larger share of late frames, by their time, takes the next step down."""
+"""A larger share of late frames, weighted by time, takes the next step down."""
 SETTLE: Final = 1.0
-"""Seconds after a step down before the next one: only then is seen what the first one did."""
+"""Seconds after a step down before the next one, so that the effect of the first can be measured."""
 BEGIN: Final = 2.0
-"""In the first seconds of a show late frames say nothing: drivers still compile."""
+"""Late frames in the first seconds of a show are ignored, because drivers still compile."""
 CALM: Final = 0.005
-"""A smaller share than this for `PATIENCE` seconds, with `ROOM` to spare, takes a step up."""
+"""A smaller share of late frames than this for `PATIENCE` seconds, with a load below `ROOM`, takes a step up."""
 PATIENCE: Final = 15.0
 ROOM: Final = 0.75
-"""Up only while frames need less of their time than this share."""
+"""Quality goes up only while frames need less than this share of their time."""
 LONGEST: Final = 300.0
-"""Seconds of patience at most: it doubles with every step up that had to be taken back."""
+"""Maximum patience [s]; it doubles with every step up that had to be reverted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step of the ladder."""
+    """One quality level."""
 
     name: str
-    """What is left out from here on, in words."""
+    """What is left out from this level on, in words."""
     quality: Quality
     kind: str = ""
-    """What it takes from: a pass, or `styles`; empty: from every picture. Where there is none of it now, it is passed
-    over."""
+    """The pass that it reduces, or `styles`; empty: it affects every picture. A step that would change nothing now is
+    skipped."""
 
 
 SMALLER: Final = (("3/4 of the size", 0.75), ("3/5 of the size", 0.6), ("half the size", 0.5))
-"""The last steps, and the share of the picture's width and height that they draw."""
+"""The last steps: name, and the share of the picture's width and height that they draw."""
 
 
 def ladder_of(best: Quality) -> tuple[Step, ...]:
-    """The steps from `best` down, each without something more; the resolution comes last."""
+    """Return the steps from `best` down, each with one more reduction; the resolution comes last."""
     changes: list[tuple[str, str, dict[str, object]]] = []
     left_out = best.left_out
     if best.samples > 2:
@@ -126,7 +125,7 @@ def ladder_of(best: Quality) -> tuple[Step, ...]:
         change: dict[str, object] = {"scale": scale * best.scale}
         if (
             best.near_level == LIGHT
-        ):  # pixels are wider then: an outline moves by as many of them as it did farther away
+        ):  # pixels are wider then: the body's outline shifts by as many of them as it did farther away
             change["far_from"] = min(8.0, best.far_from * scale)
         changes.append((name, "", change))
     steps, quality = [Step("all", best)], best
@@ -139,38 +138,39 @@ def ladder_of(best: Quality) -> tuple[Step, ...]:
 def _lighter(best: Quality) -> dict[str, object]:
     if best.near_level == LIGHT:
         return {"near_count": best.near_count // 4, "far_level": DISTANT, "far_from": min(8.0, best.far_from)}
-    return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # nobody's body changes within 5 m
+    return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # within 5 m no body changes
 
 
 class Ladder:
-    """Decides which step is drawn; told after every frame how it went. Thread: the show's."""
+    """Controller that chooses the quality step from the timing of each frame. Thread: the show's."""
 
     def __init__(self, steps: int, helps: Callable[[int], bool] = lambda step: True) -> None:
-        """`steps`: how many there are; 0 is the best. `helps(step)`: whether what that step takes is drawn now."""
+        """`steps`: their number; 0 is the best. `helps(step)`: whether that step would reduce the current picture."""
         self._steps, self._helps = steps, helps
         self.step = 0
-        """The step now."""
+        """The current step."""
         self.changes = 0
-        """How often it has changed."""
+        """How often the step has changed."""
         self.held: int | None = None
-        """The step that is held by hand."""
+        """The step held by the operator, or None."""
         self._share = self._calm = 0.0
         self._since = SETTLE - BEGIN
         self._patience = PATIENCE
         self._raised = False
 
     def hold(self, step: int | None) -> None:
-        """Draw this step from now on, whatever happens (the lowest, if there are not so many); None: decide again."""
+        """Hold this step (limited to the last one) until further notice; None: automatic again."""
         self.held = None if step is None else min(max(step, 0), self._steps - 1)
         if self.held is not None and self.held != self.step:
             self._go(self.held, raised=False)
         self._since = self._calm = self._share = 0.0
 
     def frame(self, late: bool, seconds: float, load: float, overload: float = 0.0) -> int:
-        """After a frame that came `seconds` after the last one, `late` or not: the step for the next.
+        """Return the step for the next frame, after one that came `seconds` after the last one.
 
-        `load`: the share of its time that was needed for everything but waiting; `overload`: 0 to 1, how much too much
-        the whole machine has to do. The more that is, the fewer late frames take a step down, and none is taken up.
+        `load`: the share of the frame period that was needed, waiting excluded. `overload`: overload of the whole
+        machine, 0 to 1. The higher it is, the fewer late frames cause a step down; there is no step up while it is
+        above 0.
         """
         if self.held is not None:
             return self.step
@@ -190,11 +190,11 @@ class Ladder:
         return self.step
 
     def _below(self) -> int:
-        """The next step down that takes something from this picture, or the last one."""
+        """Return the next step down that reduces this picture, or the last one."""
         return next((step for step in range(self.step + 1, self._steps) if self._helps(step)), self._steps - 1)
 
     def _above(self) -> int:
-        """The step above the one that is felt now."""
+        """Return the step above the lowest one that has an effect now."""
         felt = self.step
         while felt > 1 and not self._helps(felt):
             felt -= 1

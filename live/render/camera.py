@@ -1,4 +1,4 @@
-"""The camera's matrices, and the way back from a pixel to the stage floor.
+"""Camera matrices, and the projection of pixels onto the stage floor.
 
 Matrices are float64 (4, 4) for column vectors: `clip = world_to_clip(...) @ (x, y, z, 1)`; right-handed world, OpenGL
 clip space (x right, y up, -w <= z <= w).
@@ -20,7 +20,7 @@ FAR: Final = 120.0
 
 
 def view_matrix(camera: Camera) -> Float64:
-    """From world to eye axes (x right, y up, looking along -z).
+    """Return the matrix from world to eye axes (x right, y up, looking along -z).
 
     A camera that looks straight up or down keeps the stage's depth (-z) as its up direction. Raises ValueError if
     eye and target are the same point.
@@ -45,9 +45,9 @@ def view_matrix(camera: Camera) -> Float64:
 
 
 def projection(camera: Camera, aspect: float) -> Float64:
-    """Perspective for a picture `aspect` = width / height; the field of view is the vertical one.
+    """Return the perspective matrix for a picture with `aspect` = width / height; the field of view is vertical.
 
-    With a lens shift the frustum is not symmetric (Hartley and Zisserman 2004, 6.1: the principal point's place).
+    With a lens shift the frustum is not symmetric (Hartley and Zisserman 2004, 6.1: the principal point).
     Raises ValueError if the field of view is not between 1 and 170 degrees or the aspect is not positive.
     """
     if not 1.0 <= camera.field_of_view_deg <= 170.0:
@@ -58,7 +58,10 @@ def projection(camera: Camera, aspect: float) -> Float64:
     matrix = np.zeros((4, 4))
     matrix[0, 0], matrix[0, 1] = scale * camera.stretch / aspect, scale * camera.skew / aspect
     matrix[1, 1] = scale
-    matrix[0, 2], matrix[1, 2] = 2.0 * camera.shift[0], 2.0 * camera.shift[1]  # eye z is negative before the camera
+    matrix[0, 2], matrix[1, 2] = (
+        2.0 * camera.shift[0],
+        2.0 * camera.shift[1],
+    )  # eye z is negative in front of the camera
     matrix[2, 2] = -(FAR + NEAR) / (FAR - NEAR)
     matrix[2, 3] = -2.0 * FAR * NEAR / (FAR - NEAR)
     matrix[3, 2] = -1.0
@@ -66,10 +69,10 @@ def projection(camera: Camera, aspect: float) -> Float64:
 
 
 def rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float64]:
-    """Way from the eye through the lower left corner of a picture of `size` pixels, and what is added to it up to the
-    right and to the upper edge; each (3,), and one metre long along the axis.
+    """Return the ray from the eye through the lower left corner of a picture of `size` pixels, and the differences to
+    the right and upper edges; each (3,), scaled to a depth of one metre.
 
-    A place at depth d [m], at (u, v) of 0..1 in the picture, lies at eye + d (corner + u right + v up).
+    The point at depth d [m] and (u, v) of 0..1 in the picture is eye + d (corner + u right + v up).
     """
     frame = projection(camera, size[0] / size[1])
     back = np.linalg.inv(np.array([frame[0, :3], frame[1, :3], [0.0, 0.0, -1.0]]))
@@ -79,12 +82,12 @@ def rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float
 
 
 def world_to_clip(camera: Camera, size: tuple[int, int]) -> Float64:
-    """From world to clip space for a picture of `size` (width, height) pixels."""
+    """Return the matrix from world to clip space for a picture of `size` (width, height) pixels."""
     return projection(camera, size[0] / size[1]) @ view_matrix(camera)
 
 
 def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Float64:
-    """Pixels (x right, y down, from the upper left corner) of world points (N, 3) [m] before the camera, (N, 2)."""
+    """Return the pixels (N, 2) of world points (N, 3) [m] in front of the camera: x right, y down, from upper left."""
     world = np.atleast_2d(np.asarray(points, np.float64))
     clip = np.concatenate([world, np.ones((len(world), 1))], axis=1) @ world_to_clip(camera, size).T
     device = clip[:, :2] / clip[:, 3:4]
@@ -92,7 +95,7 @@ def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Fl
 
 
 def covered(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64) -> tuple[int, int, int, int]:
-    """The pixels (x, y, width, height; y up) that a box from `low` to `high` [m] may cover; all if it is too near."""
+    """Return the pixels (x, y, width, height; y up) that a box from `low` to `high` [m] may cover; all if too near."""
     corners = np.array(
         [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
     )
@@ -106,7 +109,7 @@ def covered(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64)
 
 
 def floor_point(camera: Camera, size: tuple[int, int], pixel_xy: tuple[float, float]) -> tuple[float, float] | None:
-    """The point (x, z) [m] of the stage floor under a pixel (y down), or None where the floor is not seen."""
+    """Return the point (x, z) [m] of the stage floor under a pixel (y down), or None where no floor is visible."""
     device = np.array([2.0 * pixel_xy[0] / size[0] - 1.0, 1.0 - 2.0 * pixel_xy[1] / size[1]])
     back = np.linalg.inv(world_to_clip(camera, size))
     near = back @ np.array([device[0], device[1], -1.0, 1.0])

@@ -1,6 +1,6 @@
-"""The program of a pass of somebody's own, and what drivers say where there is none.
+"""Compiler and trial run of custom passes (user shaders).
 
-A trial of own passes in a process of its own, before a show trusts them: a shader may never end, or crash a driver.
+A custom pass is first tried in a separate process, because a shader may loop forever or crash the driver.
 
 python -m live.render.custom_pass < passes.json
 """
@@ -20,11 +20,11 @@ from live.render.camera import FAR, NEAR
 from live.render.shader import FRAME_BINDING, source
 
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
-"""A line in the words of a driver: 0:12(3) or 0(12)."""
+"""A line number in a driver's log: 0:12(3) or 0(12)."""
 
 
 def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
-    """The program of a pass; PersonError with its file and line if it is none."""
+    """Return the compiled program of a pass; PersonError with file and line if it does not compile."""
     ends = (("NEAR", NEAR), ("FAR", FAR))
     footer = source("own_footer.glsl").split("\n", 1)[1]
     text = f"{source('own_header.glsl', ends)}#line 1\n{own.source}\n{footer}"
@@ -40,7 +40,7 @@ def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
 
 
 def problem_of(name: str, log: str) -> str:
-    """What a driver says of the pass `name`, with file and line."""
+    """Return the first error that a driver's log reports for the pass `name`, with file and line."""
     for line in log.splitlines():
         match = _LINE.search(line)
         if match is not None and "warning" not in line.casefold():
@@ -52,16 +52,16 @@ def problem_of(name: str, log: str) -> str:
 
 
 LIMIT_S: Final = 20.0
-"""Seconds in which the passes must have drawn a small picture, the start of the process included."""
+"""Seconds allowed for drawing a small picture with the passes, including the start of the process."""
 SIZE: Final = (64, 36)
 _NO_OPENGL: Final = 3
-"""Exit code where there is no OpenGL without a screen: then nothing is known."""
+"""Exit code where there is no headless OpenGL: the trial is inconclusive."""
 
 
 def try_passes(passes: tuple[OwnPass, ...], *, limit: float = LIMIT_S) -> None:
-    """PersonError if one of the passes does not compile, does not end, or ends its process; nothing if all is well.
+    """Raise PersonError if one of the passes does not compile, does not end, or crashes its process.
 
-    Thread: any; waits for the process. A text is tried once by a process.
+    Thread: any; waits for the process. Results are cached.
     """
     problem = _tried(passes, limit) if passes else ""
     if problem:
@@ -76,16 +76,16 @@ def _tried(passes: tuple[OwnPass, ...], limit: float) -> str:
     try:
         done = subprocess.run(command, input=order, capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
-        return f"{names}: not done after {limit:g} s: is there a loop that never ends?"
+        return f"{names}: not done after {limit:g} s; check for a loop that never ends"
     except OSError as error:
         return f"{names}: cannot be tried: {error.strerror}"
     if done.returncode in (0, _NO_OPENGL):
         return ""
-    return done.stdout.strip() or f"{names}: the driver ended with it ({done.returncode})"
+    return done.stdout.strip() or f"{names}: the driver crashed ({done.returncode})"
 
 
 def main() -> int:
-    """Compile and draw what stands in the standard input; the problem goes to the standard output."""
+    """Compile and draw the passes read from standard input; print the problem to standard output."""
     from live.render.headless import NoOpenGL, create_headless_context
 
     given: list[Any] = json.load(sys.stdin)
@@ -115,7 +115,7 @@ def _draw(ctx: Any, own: OwnPass) -> None:
     for name, value in {"amount": 1.0, "beat": 1.3, "tempo": 120.0, "energy": 0.5, "size": SIZE, "time": 2.0}.items():
         set_uniform(program, name, value)
     for known in own.parameters:
-        for value in (known.low, known.high, known.start):  # a loop may end at one and not at another
+        for value in (known.low, known.high, known.start):  # a loop may end with one value and not with another
             set_uniform(program, known.name, value)
             ctx.vertex_array(program, []).render(vertices=3)
     ctx.vertex_array(program, []).render(vertices=3)

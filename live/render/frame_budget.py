@@ -1,6 +1,6 @@
-"""What quality a picture that is drawn live can afford: its frames timed, judged by the ladder, or held by hand.
+"""Adaptive quality of one live renderer: times its frames and sets its quality step.
 
-One path for every live picture, in a window, without one, and in the bench.
+Every live picture uses it: in a window, headless, and in the benchmark.
 """
 
 from collections.abc import Callable
@@ -12,20 +12,20 @@ from live.render.renderer import Renderer
 
 
 class Affordance:
-    """Belongs to one renderer that was made with all its `steps`; called around every frame. Thread: the show's."""
+    """Quality control of one renderer made with all its `steps`; called around every frame. Thread: the show's."""
 
     def __init__(self, renderer: Renderer, now: Callable[[], float], period: float = 0.0) -> None:
-        """`now()`: seconds that never go back; `period`: what a frame should take [s]."""
+        """`now()`: monotonic time [s]; `period`: target time of a frame [s]."""
         self._renderer, self.period = renderer, period
         self.times = FrameTimes(now)
         self.ladder = Ladder(len(renderer.steps), renderer.helps)
         self.overload: Callable[[], float] = lambda: 0.0
-        """How much too much the whole machine has to do, 0 to 1."""
+        """Returns the overload of the whole machine, 0 to 1."""
         self._late = 0
         renderer.mark = self.times.mark
 
     def begin(self, late: int, seconds: float) -> None:
-        """A frame begins, `seconds` after the last one; `late` frames so far (`Pacer.late`)."""
+        """Begin a frame, `seconds` after the last one; `late`: number of late frames so far (`Pacer.late`)."""
         was_late, self._late = late > self._late, late
         self.times.judge(self.period, late=was_late)
         step = self.ladder.frame(was_late, seconds, self.times.load(self.period), self.overload())
@@ -34,19 +34,19 @@ class Affordance:
             self._renderer.take_step(step)
 
     def end(self) -> None:
-        """A frame is over."""
+        """End the frame."""
         self.times.mark("swap")
         self.times.end()
 
     def facts(self) -> dict[str, Any]:
-        """For the status: the step of the ladder that is drawn, what it leaves out, and what is held by hand."""
+        """Return the status: current quality step, what it leaves out, and the step held by the operator."""
         steps, step = self._renderer.steps, self._renderer.step
         left_out = [one.name for one in steps[1 : step + 1]]
         changes, held = self.ladder.changes, self.ladder.held
         return {"step": step, "of": len(steps), "left_out": left_out, "changes": changes, "held": held}
 
     def words(self) -> str:
-        """For the overlay: the step and what it leaves out, empty for the best one that nobody holds."""
+        """Return the overlay text: the step and what it leaves out; empty for the best step if it is not held."""
         told = self.facts()
         if not told["step"] and told["held"] is None:
             return ""

@@ -1,10 +1,10 @@
-"""Giving GL objects back."""
+"""Release of OpenGL objects."""
 
 from typing import Protocol
 
 
 class Releasable(Protocol):
-    """Anything that holds GL objects."""
+    """An owner of OpenGL objects."""
 
     def release(self) -> None:
         """Free them."""

@@ -1,7 +1,4 @@
-"""Drawing without a screen: an OpenGL context through EGL and a target to draw into.
-
-Frames back from the graphics card: read the last one while the next is drawn.
-"""
+"""Headless rendering: an OpenGL context without a screen, an offscreen target, and asynchronous frame readback."""
 
 import sys
 from typing import Any
@@ -14,12 +11,12 @@ Picture = npt.NDArray[np.uint8]
 
 
 class FrameReader:
-    """Reads frames of one size (width, height) through two pixel buffers, so that nothing waits for the card.
+    """Reads frames of one size (width, height) through two pixel buffers, so that nothing waits for the GPU.
 
     Pictures are uint8 RGB of shape (height, width, 3), with `alpha` RGBA of four channels, the top row first. They are
-    views of one array of the reader's own and hold until its next call: who keeps a picture copies it. A framebuffer of
-    another size (a window that was resized while its film is made) fills what it can from the upper left corner; the
-    rest is black, and transparent.
+    views of an internal array and valid until the next call; copy a picture to keep it. A framebuffer of another size
+    (a window resized during filming) is cropped or padded from the upper left corner; the padding is black and
+    transparent.
     """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, alpha: bool = False) -> None:
@@ -34,30 +31,30 @@ class FrameReader:
         self._pixels: Picture = np.zeros((height, width, self._channels), np.uint8)
 
     def push(self, framebuffer: moderngl.Framebuffer) -> Picture | None:
-        """Start to read what was just drawn; returns the picture before it (None the first time)."""
+        """Start reading the frame just drawn; return the previous one (None the first time)."""
         self._start(framebuffer)
         self._turn = 1 - self._turn
         return self._finish()
 
     def flush(self) -> Picture | None:
-        """The last picture pushed and not yet returned; None when there is none."""
+        """Return the last picture that was pushed and not yet returned, or None."""
         self._turn = 1 - self._turn
         return self._finish()
 
     def read(self, framebuffer: moderngl.Framebuffer) -> Picture:
-        """What was just drawn, at once; this waits for the card."""
+        """Return the frame just drawn; this waits for the GPU."""
         self._start(framebuffer)
         picture = self._finish()
         assert picture is not None
         return picture
 
     def release(self) -> None:
-        """Give the pixel buffers back to the card."""
+        """Free the pixel buffers."""
         for buffer in self._buffers:
             buffer.release()
 
     def _start(self, framebuffer: moderngl.Framebuffer) -> None:
-        there: Any = framebuffer.viewport  # a window's framebuffer tells its true size only here
+        there: Any = framebuffer.viewport  # only the viewport has the true size of a window's framebuffer
         left, bottom, width, height = there
         columns, rows = min(width, self.size[0]), min(height, self.size[1])
         corner = (left, bottom + height - rows, columns, rows)
@@ -84,11 +81,11 @@ _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic
 
 
 class NoOpenGL(RuntimeError):
-    """No OpenGL 4.1 without a screen; the text says why and what can be done."""
+    """There is no headless OpenGL 4.1; the message states the cause and the remedy."""
 
 
 def create_headless_context() -> moderngl.Context:
-    """An OpenGL 4.1 context that needs no screen (EGL on Linux), on the graphics card or in software.
+    """Create an OpenGL 4.1 context without a screen (EGL on Linux), on the graphics card or in software.
 
     Raises `NoOpenGL`.
     """
@@ -104,15 +101,15 @@ def create_headless_context() -> moderngl.Context:
 
 
 def release_headless_context(ctx: moderngl.Context) -> None:
-    """Give it back, and let no context be the current one: while one of EGL is, this thread can open no window with
-    GLX, and Xlib ends the whole process over it."""
-    with ctx:  # what was current before it is so again
+    """Release the context, and leave none current: while an EGL context is current, opening a GLX window in this thread
+    makes Xlib end the whole process."""
+    with ctx:  # restores the previous context
         pass
     ctx.release()
 
 
 def is_software(ctx: moderngl.Context) -> bool:
-    """Whether the processor does the drawing: passes that are dear there can be left out."""
+    """Whether OpenGL renders in software, so that expensive passes can be left out."""
     renderer = str(ctx.info["GL_RENDERER"]).casefold()
     return any(word in renderer for word in _SOFTWARE)
 
@@ -121,7 +118,7 @@ class OffscreenTarget:
     """A framebuffer (RGBA of 8 bits, depth) of `size` (width, height) [pixels] with its reader."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, alpha: bool = False) -> None:
-        """`alpha`: pictures are RGBA. ValueError for a size that this driver cannot draw."""
+        """`alpha`: pictures are RGBA. Raises ValueError for a size that this driver cannot draw."""
         limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
         if not all(1 <= length <= limit for length in size):
             raise ValueError(f"a picture of {size[0]}x{size[1]} pixels cannot be drawn: 1 to {limit} each way")
@@ -132,19 +129,19 @@ class OffscreenTarget:
         self._reader = FrameReader(ctx, size, alpha=alpha)
 
     def push(self) -> Picture | None:
-        """Start to read the frame just drawn, return the one before it (see `FrameReader.push`)."""
+        """Start reading the frame just drawn; return the previous one (see `FrameReader.push`)."""
         return self._reader.push(self.framebuffer)
 
     def flush(self) -> Picture | None:
-        """The last frame pushed and not yet returned."""
+        """Return the last frame that was pushed and not yet returned, or None."""
         return self._reader.flush()
 
     def read(self) -> Picture:
-        """The frame just drawn, at once: uint8 RGB (height, width, 3), top row first, good until the next call."""
+        """Return the frame just drawn: uint8 RGB (height, width, 3), top row first, valid until the next call."""
         return self._reader.read(self.framebuffer)
 
     def release(self) -> None:
-        """Give everything back to the card."""
+        """Free everything."""
         self._reader.release()
         for thing in (self.framebuffer, self._colour, self._depth):
             thing.release()

@@ -1,6 +1,6 @@
-"""Letters for the overlay: a small atlas of one typeface and size, and lines of text laid out with it.
+"""Text for the overlay: a glyph atlas of one font and size, and layout of lines with it.
 
-The typeface of what is lettered: Pillow's own, which has no letters with accents. Words in it stay readable.
+The font is Pillow's default, which has no accented letters; they are replaced by plain ones.
 """
 
 import unicodedata
@@ -15,18 +15,18 @@ from PIL import Image, ImageDraw, ImageFont
 _APART: Final = {
     "ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ł": "l", "Ł": "L",
 }  # fmt: skip
-"""Letters that no accent was put on, and what stands for them."""
+"""Letters that Unicode does not decompose, and their replacements."""
 
 
 @cache
 def has(letter: str) -> bool:
-    """Whether the typeface has this letter; what it lacks it draws as a box."""
+    """Whether the font has this letter; a missing one would be drawn as a box."""
     font = ImageFont.load_default(size=20)
     return letter.isprintable() and (letter == " " or _ink(font, letter) != _ink(font, "\uffff"))
 
 
 def readable(words: str) -> str:
-    """The words without the accents that the typeface lacks: `Dança` as `Danca`, not as a box in `Dan a`."""
+    """Return the text without the accents that the font lacks: `Dança` becomes `Danca`."""
     return "".join(letter if has(letter) else _without_accent(letter) for letter in words)
 
 
@@ -49,10 +49,10 @@ _UNKNOWN: Final = "?"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lettering:
-    """An atlas of one typeface at one size."""
+    """A glyph atlas of one font at one size."""
 
     picture: npt.NDArray[np.uint8]
-    """Coverage, 0 to 255, row 0 on top, shape (H, W)."""
+    """Coverage, 0 to 255, top row first, shape (H, W)."""
     cell: tuple[int, int]
     """Width and height of each letter's cell [pixels]."""
     advance: dict[str, float]
@@ -61,10 +61,10 @@ class Lettering:
     """Cell of each letter, counted row by row."""
 
     def lay_out(self, lines: tuple[str, ...], corner: tuple[float, float], limit: int) -> Float32:
-        """Rectangles (x, y, u, v) of at most `limit` letters, one row each, from a corner [pixels, y down].
+        """Return rectangles (x, y, u, v) of at most `limit` letters, one row each, from a corner [pixels, y down].
 
-        (u, v) is the upper left texel of the letter's cell; letters with accents stand without them, unknown
-        ones become question marks.
+        (u, v) is the upper left texel of the letter's cell. Missing accents are removed, and unknown letters become
+        question marks.
         """
         rows: list[tuple[float, float, float, float]] = []
         for number, line in enumerate(lines):
@@ -79,7 +79,7 @@ class Lettering:
         return np.array(rows, np.float32).reshape(-1, 4)
 
     def width(self, line: str) -> float:
-        """Length of a line of text [pixels]."""
+        """Return the length of a line of text [pixels]."""
         return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in readable(line))
 
 
@@ -96,5 +96,5 @@ def letter(height: int) -> Lettering:
         draw.text((cell % _COLUMNS * width + 1, cell // _COLUMNS * tall), one, fill=255, font=font)
     advance = {one: float(font.getlength(one)) for one in letters}
     digit = max(advance[one] for one in "0123456789")
-    advance.update(dict.fromkeys("0123456789", digit))  # numbers that change do not make the line dance
+    advance.update(dict.fromkeys("0123456789", digit))  # changing numbers must not move the rest of the line
     return Lettering(np.array(image, np.uint8), (width, tall), advance, {one: i for i, one in enumerate(letters)})

@@ -1,6 +1,6 @@
-"""Files that are shown behind the dancers: what is wrong with one is said before the show.
+"""Image and video files for the background: checked before the show; videos are decoded by a thread.
 
-A video behind the dancers: decoded ahead by a thread, never waited for in a show; in a film, picture by picture.
+A show never waits for the decoder; an offline film does, for each picture.
 """
 
 import contextlib
@@ -19,20 +19,20 @@ Picture = npt.NDArray[np.uint8]
 IMAGES: Final = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 VIDEOS: Final = (".mp4", ".mov", ".mkv", ".webm", ".avi", ".m4v")
 MOST_PIXELS: Final = 100_000_000
-"""Of an image: larger ones are refused before they are unpacked."""
+"""Images with more pixels are refused before they are decoded."""
 LARGEST: Final = 2048
-"""Longer side [pixels] to which images and videos are brought down."""
+"""Longer side [pixels] to which images and videos are reduced."""
 
-_ANEW: Final = "copy it again, or make a new one: ffmpeg -i OLD -pix_fmt yuv420p NEW.mp4"
+_ANEW: Final = "copy it again, or convert it: ffmpeg -i OLD -pix_fmt yuv420p NEW.mp4"
 
 
 def is_video(path: Path) -> bool:
-    """Whether a file is one, by its name."""
+    """Whether a file is a video, judged by its name."""
     return path.suffix.lower() in VIDEOS
 
 
 def check_background(path: Path) -> None:
-    """PersonError if nothing can be shown of a file: its first picture is read."""
+    """Raise PersonError if a file cannot be shown; reads its first picture."""
     kinds = ", ".join((*IMAGES, *VIDEOS))
     if path.suffix.lower() not in (*IMAGES, *VIDEOS):
         raise PersonError(f"{path.name!r} is neither an image nor a video by its name", f"one of {kinds}")
@@ -43,7 +43,7 @@ def check_background(path: Path) -> None:
 
 
 def read_image(path: Path) -> Picture:
-    """The pixels of an image as shown, (H, W, 3), the upper row first; PersonError if it cannot be read."""
+    """Return the pixels of an image, upright, (H, W, 3), top row first; PersonError if it cannot be read."""
     from PIL import Image, ImageOps
 
     try:
@@ -62,12 +62,12 @@ def read_image(path: Path) -> Picture:
         raise
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise PersonError(
-            f"the image {path.name!r} cannot be read: {_words(error)}", "save it anew as PNG or JPEG"
+            f"the image {path.name!r} cannot be read: {_words(error)}", "save it again as PNG or JPEG"
         ) from None
 
 
 def open_video(path: Path) -> Any:
-    """A video, as an open container of PyAV, of which one picture was decoded; PersonError if none can be."""
+    """Return a video as an open PyAV container; PersonError if its first picture cannot be decoded."""
     import av
 
     try:
@@ -91,25 +91,25 @@ def open_video(path: Path) -> Any:
 
 
 def _words(error: Exception) -> str:
-    """What is wrong, without the file's whole path."""
+    """Return the error's text without the file's whole path."""
     known = getattr(error, "strerror", None)
     return str(known or error).partition(": '")[0].partition(" '/")[0] or type(error).__name__
 
 
 AHEAD: Final = 6
-"""Pictures that are decoded ahead."""
+"""Number of pictures decoded ahead."""
 LEAP: Final = 1.0
-"""A place so much [s] beyond what is decoded, or before it, is sought instead of reached picture by picture."""
+"""A jump of more than this [s] seeks instead of decoding the pictures between."""
 
 
 class Video:
-    """Pictures of one file by their time. `patient`: `at` waits until the right one is decoded, as for a film.
+    """Pictures of a video file by time. `patient`: `at` waits until the right one is decoded, as for an offline film.
 
-    Thread: `at` and `close` from one; a thread of its own decodes.
+    Thread: `at` and `close` from one thread; a separate thread decodes.
     """
 
     def __init__(self, path: Path, *, patient: bool = False) -> None:
-        """PersonError if nothing can be decoded."""
+        """Raises PersonError if no picture can be decoded."""
         self._container = open_video(path)
         stream = self._container.streams.video[0]
         rate = float(stream.average_rate or 25.0)
@@ -118,12 +118,12 @@ class Video:
         if not seconds and self._container.duration:
             seconds = self._container.duration / 1e6
         self.seconds = max(seconds, 1.0 / rate)
-        """How long it is."""
+        """Duration [s]."""
         shrunk = min(1.0, LARGEST / max(stream.width, stream.height))
         self.size = max(round(stream.width * shrunk), 1), max(round(stream.height * shrunk), 1)
-        """Width and height of its pictures [pixels]."""
+        """Width and height of the pictures [pixels]."""
         self.problem = ""
-        """Why there are no new pictures any more, if there are none; the last one stays."""
+        """Why decoding has stopped, or empty; the last picture stays."""
         self._patient, self._period = patient, 1.0 / rate
         self._ready: deque[tuple[float, Picture]] = deque()
         self._wanted = 0.0
@@ -135,7 +135,7 @@ class Video:
         self._thread.start()
 
     def at(self, seconds: float) -> Picture | None:
-        """The picture at this time of the video, (H, W, 3), if it is another one than was given last."""
+        """Return the picture at this time of the video, (H, W, 3), or None if it is the one returned last."""
         seconds = min(max(seconds, 0.0), self.seconds)
         with self._change:
             self._aim(seconds)
@@ -151,7 +151,7 @@ class Video:
         return found[1]
 
     def _aim(self, seconds: float) -> None:
-        """Say what is wanted; a place far from what is decoded is sought."""
+        """Set the wanted time; one far from the decoded pictures causes a seek."""
         first = self._ready[0][0] if self._ready else self._wanted
         if seconds < min(first, self._wanted) - self._period or seconds > self._wanted + LEAP:
             self._seek = True
@@ -161,7 +161,7 @@ class Video:
         self._change.notify_all()
 
     def _reached(self, seconds: float) -> bool:
-        """Whether the picture at this time is among the decoded ones."""
+        """Whether the picture at this time is decoded."""
         if self._seek or not self._ready:
             return False
         return self._ready[-1][0] > seconds or self._ready[-1][0] + 1.5 * self._period >= self.seconds
@@ -176,7 +176,7 @@ class Video:
                 self._change.notify_all()
 
     def _decode(self) -> None:
-        """From the place that is wanted to the end, or to the next place that is sought."""
+        """Decode from the wanted time to the end, or to the next seek."""
         with self._change:
             self._change.wait_for(lambda: self._closing or self._seek)
             self._seek = False
@@ -189,7 +189,7 @@ class Video:
         for frame in self._container.decode(stream):
             time = float(frame.pts * frame.time_base) if frame.pts is not None else wanted
             if time < wanted - 1e-6:
-                kept = time, frame  # the last one before it is what is seen there
+                kept = time, frame  # the last picture before the wanted time is visible at that time
                 continue
             for one in (kept, (time, frame)) if kept is not None else ((time, frame),):
                 if not self._put(*one):
@@ -199,7 +199,7 @@ class Video:
             self._put(*kept)
 
     def _put(self, time: float, frame: Any) -> bool:
-        """Hand a picture over; False if another place is sought meanwhile."""
+        """Queue a picture; False if a seek came in between."""
         picture = frame.reformat(width=self.size[0], height=self.size[1], format="rgb24").to_ndarray()
         with self._change:
             self._change.wait_for(lambda: self._closing or self._seek or self._wants())
@@ -210,7 +210,7 @@ class Video:
         return True
 
     def _wants(self) -> bool:
-        """Whether there is room; a patient one needs pictures up to what is wanted, however many."""
+        """Whether the queue has room; it always takes pictures up to the wanted time."""
         return len(self._ready) < AHEAD or self._ready[-1][0] <= self._wanted
 
     def close(self) -> None:

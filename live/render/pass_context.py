@@ -1,4 +1,4 @@
-"""What passes are given: what they are made with, the moment that is drawn, and the surfaces that are seen in it."""
+"""Interfaces of render passes, and their inputs: construction data, the frame to draw, and its surface textures."""
 
 from dataclasses import dataclass
 from typing import Final, Protocol
@@ -11,12 +11,12 @@ from live.render.dancers.dancer_batch import Crowd
 from live.render.uniforms import FrameBlock
 
 HDR: Final = "f2"
-"""Between passes light is kept in half floats, compressed (`finish.glsl`): x / (1 + its brightest colour)."""
+"""Texture format between passes: half floats, compressed (`finish.glsl`): x / (1 + its brightest colour)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Making:
-    """What passes are made with."""
+    """Construction data for passes."""
 
     ctx: moderngl.Context
     scene: Scene
@@ -24,97 +24,97 @@ class Making:
     size: tuple[int, int]
     """Width and height of the picture [pixels]."""
     patient: bool = False
-    """Whether pictures of videos are waited for, as in a film that may take its time."""
+    """Whether to wait for pictures of videos, as in an offline film."""
     bare: bool = False
-    """Whether dancers are drawn without a stage, on nothing: pictures with alpha (`passes/matte_pass.py`)."""
+    """Whether dancers are drawn without a stage, in pictures with alpha (`passes/alpha_pass.py`)."""
 
 
 @dataclass(slots=True, eq=False)
 class Moment:
-    """The frame that is drawn; one object, filled anew for each."""
+    """The frame to draw; one object, reused for every frame."""
 
     view: StageView
     frame: FrameBlock
     crowd: Crowd
     floor: moderngl.Texture
-    """Over the floor's map: light of the elements, and what shadows take away."""
+    """The floor's map: light of the elements, and shadows."""
     beats: float = 0.0
-    """Beats since the picture before, 0 or more."""
+    """Beats since the previous picture, 0 or more."""
     cut: bool = True
-    """Whether there is no picture before: whatever passes remember of one means nothing now."""
+    """Whether this picture does not continue the previous one; passes must drop their history."""
 
     def amount(self, place: int) -> float:
-        """A number of the picture's row now, by its place."""
+        """Return a value of the picture's parameter row, by index."""
         return float(self.frame.row[place])
 
 
 @dataclass(slots=True, eq=False)
 class Surfaces:
-    """What is seen where, one texel for each pixel; only in frames in which an active pass `needs_surfaces`."""
+    """Surface textures (G-buffer), one texel per pixel; only drawn if an active pass `needs_surfaces`."""
 
     depth: moderngl.Texture
-    """Depth as OpenGL has it, 0 to 1; 1 where no dancer is."""
+    """OpenGL depth, 0 to 1; 1 where there is no dancer."""
     shape: moderngl.Texture
     """rgb: normal in world axes * 0.5 + 0.5, a: sheen."""
     who: moderngl.Texture
-    """r, g: low and high byte of the dancer's number from 1 on, 0 for none; b: her group."""
+    """r, g: low and high byte of the dancer's number from 1 on, 0 for none; b: the dancer's group."""
 
 
 class ScenePass:
-    """Something in the scene beside the dancers: subclasses say what they draw, the rest draws nothing.
+    """Base class for everything in the scene except the dancers. Its methods draw nothing.
 
-    In the order of calls within a frame. All are asked only while `active`.
+    The methods are in the order of calls within a frame. They are only called while `active`, unless stated.
     """
 
     def active(self, moment: Moment) -> bool:
-        """Whether it draws anything now."""
+        """Whether the pass draws anything now."""
         return True
 
     def over_active(self, moment: Moment) -> bool:
-        """Whether `over` draws anything now: then a picture on the processor takes the way through half floats."""
+        """Whether `over` draws anything now; then a software picture uses half floats."""
         return False
 
     def cast(self) -> None:
-        """Draw shadows into the bound layers of the floor, whether active or not."""
+        """Draw shadows into the bound layers of the floor; also called while inactive."""
 
     def prepare(self, moment: Moment) -> None:
-        """Draw into textures of its own, before the picture."""
+        """Draw into the pass's own textures, before the picture."""
 
     def surfaces(self, moment: Moment) -> None:
-        """Draw opaque surfaces, to be lit later, with depth: cover and shape as `gbuffer_fragment.glsl` has them."""
+        """Draw opaque surfaces with depth for deferred shading: cover and shape as in `gbuffer_fragment.glsl`."""
 
     def lit(self, moment: Moment) -> None:
-        """Draw the same surfaces lit at once, compressed, with depth (multisampled pictures)."""
+        """Draw the same surfaces with depth and forward shading, compressed (multisampled pictures)."""
 
     def over(self, moment: Moment) -> None:
-        """Draw light over the lit scene, compressed; blended by the pass itself, tested against depth, not written.
+        """Draw light over the lit scene, compressed; the pass sets blending, tests depth and writes none.
 
-        Light adds when blended with ONE, ONE_MINUS_SRC_COLOR: in the compressed range that is nearly a sum.
+        Blending with ONE, ONE_MINUS_SRC_COLOR adds light: in the compressed range that is nearly a sum.
         """
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
+        """Set a new size of the picture [pixels]."""
 
     def release(self) -> None:
         """Free everything."""
 
 
 class PicturePass(Protocol):
-    """Makes a picture of the picture: one of `[picture] passes`, in its order."""
+    """Post-processing pass: one of `[picture] passes`, in their order."""
 
     needs_surfaces: bool
     """Whether `draw` reads the surfaces."""
 
     def active(self, moment: Moment) -> bool:
-        """Whether it changes anything now; an inactive pass costs nothing."""
+        """Whether the pass changes anything now; an inactive pass costs nothing."""
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
-        """Draw `source`, compressed light, changed, into `target`."""
+        """Draw the processed `source` (compressed light) into `target`."""
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
+        """Set a new size of the picture [pixels]."""
 
     def release(self) -> None:
         """Free everything."""

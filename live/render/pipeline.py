@@ -1,13 +1,10 @@
-"""The way of a picture: what lies on the floor, the dancers and the stage, then the picture passes and the film curve.
+"""Render pipeline: floor map, dancers and stage, then picture passes and the film curve.
 
-Three ways, and what is not asked for costs nothing:
+There are three variants:
 
-- *plain*, where the processor draws and no picture pass is active: surfaces first, light once a pixel, in 8 bits as it
-  is shown;
-- *soft*, the same in half floats, where a picture pass is active or light is drawn over the scene;
-- *lit*, on a graphics card: multisampled, lit while drawn, in half floats.
-
-The picture passes in their order: each makes of the picture so far another one, and the film curve ends it.
+- *plain*, in software without an active picture pass: deferred shading in 8 bits;
+- *soft*, the same in half floats, if a picture pass is active or light is drawn over the scene;
+- *lit*, on a graphics card: multisampled forward shading in half floats.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -47,13 +44,13 @@ PICTURE_PASSES: Final[Mapping[str, Callable[[Making], PicturePass]]] = {
     "grade": GradePass,
     "vignette": VignettePass,
 }
-"""Those that can be in `[picture] passes`, by name; `shadow` and `mirror` belong to the scene."""
+"""Classes for `[picture] passes`, by name; `shadow` and `mirror` belong to the scene."""
 AT_END: Final = "vignette"
-"""As the last one of the order it is done together with the film curve."""
+"""This pass, if it is the last one, is done together with the film curve."""
 
 
 class Chain:
-    """All picture passes of a show, those that are active now, and the two textures between them."""
+    """The picture passes of a show, and the two textures between them."""
 
     def __init__(self, making: Making) -> None:
         self._ctx = making.ctx
@@ -81,18 +78,18 @@ class Chain:
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
 
     def take_own(self, passes: tuple[OwnPass, ...]) -> None:
-        """Other texts for own passes; PersonError if one does not compile: its last one goes on."""
+        """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""
         for one in passes:
             there = self._own.get(one.name)
             if there is not None and there.own != one:
                 there.take(one)
 
     def active(self, moment: Moment, left_out: Sequence[str]) -> list[PicturePass]:
-        """The passes that change something now, in order, without those that quality leaves out."""
+        """Return the passes that change something now, in order, without those in `left_out`."""
         return [one for name, one in self._passes if name not in left_out and one.active(moment)]
 
     def has(self, name: str, moment: Moment) -> bool:
-        """Whether a pass would change something now, left out or not."""
+        """Whether a pass would change something now, even if it is left out."""
         return any(one.active(moment) for known, one in self._passes if known == name)
 
     def draw(
@@ -104,8 +101,8 @@ class Chain:
         moment: Moment,
         faults: PassFaults,
     ) -> None:
-        """Draw `source`, compressed light, through the passes that are `active` onto `target`; `faults` is told which
-        is drawn."""
+        """Draw `source` (compressed light) through the `active` passes into `target`; `faults` records the current
+        pass."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         last = active[-1] if active else None
         bloom = last if isinstance(last, BloomPass) else None
@@ -124,7 +121,7 @@ class Chain:
             self._final.draw(source, target, gathered, strength)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
+        """Set a new size of the picture [pixels]."""
         release_all(*self._targets, *self._textures)
         self._make(size)
         for _, one in self._passes:
@@ -138,17 +135,17 @@ class Chain:
 SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
     ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
 )  # fmt: skip
-"""What else is in the scene, in the order in which it is drawn."""
+"""Scene passes, in drawing order."""
 _OF_STAGE: Final = (BackgroundPass, PlanPass)
-"""Those of them that are behind or under the dancers: not in pictures with alpha."""
+"""Scene passes behind or under the dancers, which pictures with alpha lack."""
 CRISP: Final = 0.6
-"""How much detail is lifted in a scene that is drawn smaller than the picture and stretched."""
+"""Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
 _BODY_AROUND_JOINTS: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
 
 class Pipeline:
-    """All passes of one renderer, with all that they draw into; GL objects are made here and in `resize`."""
+    """All passes of one renderer with their targets; GL objects are created here and in `resize`."""
 
     def __init__(self, making: Making) -> None:
         ctx, scene, size, quality = making.ctx, making.scene, making.size, making.quality
@@ -160,7 +157,7 @@ class Pipeline:
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
         self.chain = Chain(making)
         self.faults = PassFaults()
-        """Which passes are left out because they cannot be drawn."""
+        """Circuit breakers of the passes."""
         self._lit = quality.samples > 0
         self._surface = SurfacePass(ctx, quality, size, worn=worn)
         self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
@@ -179,7 +176,7 @@ class Pipeline:
         self.look_from(scene.camera)
 
     def take(self, quality: Quality) -> None:
-        """Draw with another quality of the same kind from now on; what it needs is made once and kept."""
+        """Draw with another quality of the same tier; its GL objects are created once and kept."""
         self._quality = self._surface.quality = quality
         self.floor.choose(quality.floor_map)
         if self._lit:
@@ -193,17 +190,17 @@ class Pipeline:
 
     @property
     def problems(self) -> list[str]:
-        """What could not go on, in words: of it the last good state is drawn."""
+        """Messages about failed files and passes; the last good state is drawn."""
         of_files = [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
         return of_files + self.faults.words()
 
     def look_from(self, camera: Camera) -> None:
-        """What depends on the camera beside the block of uniforms."""
+        """Update everything that depends on the camera, except the uniform block."""
         self._floor_rows = _rows_of_floor(camera, self._scene.stage_size, self._size)
         self._world_to_clip = world_to_clip(camera, self._size)
 
     def helps(self, kind: str, moment: Moment) -> bool:
-        """Whether leaving out a pass, or half of the particles and ribbons (`styles`), saves anything now."""
+        """Whether leaving out a pass, or half of the particles and ribbons (`styles`), saves time now."""
         if kind == "mirror":
             return kind in self._scene.passes and moment.frame.mirrors
         if kind == "styles":
@@ -211,11 +208,11 @@ class Pipeline:
         return not kind or self.chain.has(kind, moment)
 
     def relit(self) -> None:
-        """Light or camera are others than in the frame before."""
+        """Invalidate the backdrop, because light or camera have changed."""
         self._backdrop.forget()
 
     def draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
-        """Draw the moment as it is shown into `target`; what a pass raises is raised, and noted as its fault."""
+        """Draw the finished picture of a moment into `target`; errors of passes are recorded and raised."""
         try:
             self._draw(moment, target)
         except Exception as error:
@@ -293,7 +290,7 @@ class Pipeline:
         )  # fmt: skip
 
     def _where_dancers_are(self, moment: Moment) -> tuple[int, int, int, int]:
-        """The pixels that dancers and items may cover: others need neither be lit nor smoothed."""
+        """Return the rectangle that dancers and items may cover; other pixels need no lighting or smoothing."""
         low, high = moment.crowd.box.astype(np.float64)
         if self._standing is not None:
             low, high = np.minimum(low, self._standing[0]), np.maximum(high, self._standing[1])
@@ -303,7 +300,7 @@ class Pipeline:
         return covered(self._world_to_clip, self._size, low - reach, high + reach)
 
     def resize(self, size: tuple[int, int], camera: Camera) -> None:
-        """New size of the picture [pixels], seen from this camera."""
+        """Set a new size of the picture [pixels], seen from this camera."""
         self._size = size
         self._mirror.resize(size)
         self._backdrop.resize(size)
@@ -335,7 +332,7 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
 
 
 def _rows_of_floor(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
-    """How many rows of pixels from below can show the floor (above them is only the back wall)."""
+    """Return how many pixel rows from below can show the floor; the rows above show only the back wall."""
     corner, right, up = rays(camera, size)
     if abs(right[1]) > 1e-9:
         return size[1]  # the picture is tilted: the floor may be anywhere

@@ -1,4 +1,4 @@
-"""Kernels of the renderer: poses as texels, the tips of limbs, and which dancers are seen, near or far."""
+"""Kernels of the renderer: pose texels, limb tips, culling and level-of-detail lists."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,16 +6,16 @@ import numpy.typing as npt
 from live.base.jit import kernel, part
 
 SEEN = 1
-"""Bits of a dancer's sight: she may be in the picture, …"""
+"""Visibility bits of a dancer: may be in the picture, …"""
 MIRRORED = 2
-"""… her image in the floor may be, …"""
+"""… the mirror image in the floor may be, …"""
 SHADOWING = 4
-"""… her shadow may be, …"""
+"""… the shadow may be, …"""
 NEAR = 8
-"""… she gets the near body, or the far one, …"""
+"""… the dancer gets the near body, or the far one, …"""
 FAR = 16
 PRESENT = 32
-"""… and she is on the stage at all."""
+"""… the dancer is on the stage."""
 
 Bool = npt.NDArray[np.bool_]
 Float32 = npt.NDArray[np.float32]
@@ -25,11 +25,11 @@ Uint8 = npt.NDArray[np.uint8]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], b1[::1], f4[:,:,::1])", fastmath={"contract"})
 def pose_texels(position: Float32, rotation: Float32, rest: Float32, drawn: Bool, out: Float32) -> None:
-    """Dual quaternions that carry the rest pose to each dancer's pose (Kavan et al. 2007).
+    """Compute dual quaternions that transform the rest pose to each dancer's pose (Kavan et al. 2007).
 
-    position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3); out (H, B*2J, 4): dancer a stands in row a mod H from
-    texel (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). Who is not
-    `drawn` (A,) keeps her texels. In single precision: a plain 2.0 would make all of it double.
+    position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3); out (H, B*2J, 4): dancer a is in row a mod H from texel
+    (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). Dancers that are
+    not `drawn` (A,) keep their texels. All is single precision: a plain 2.0 would make it double.
     """
     height = out.shape[0]
     joints = rest.shape[0]
@@ -69,9 +69,9 @@ def pose_texels(position: Float32, rotation: Float32, rest: Float32, drawn: Bool
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], b1[::1], i4[::1], f4[:,::1], f4[:,:,::1])")
 def limb_tips(position: Float32, rotation: Float32, present: Bool, joint: Int32, offset: Float32, out: Float32) -> None:
-    """Where places that hang on joints are: `offset` (L, 3) from `joint` (L,) in the rest pose's axes.
+    """Compute points attached to joints: `offset` (L, 3) from `joint` (L,) in the rest pose's axes.
 
-    position (A, J, 3), rotation (A, J, 4) wxyz, present (A,); out (A or more, L, 4): place and 1 for who is present.
+    position (A, J, 3), rotation (A, J, 4) wxyz, present (A,); out (A or more, L, 4): point, and 1 if present, else 0.
     """
     for a in range(position.shape[0]):
         for k in range(joint.shape[0]):
@@ -94,12 +94,11 @@ def limb_tips(position: Float32, rotation: Float32, present: Bool, joint: Int32,
 
 @kernel("void(f4[:,:,::1], b1[::1], f4[:,::1], f4[::1], f4, u1[::1])")
 def sights(position: Float32, present: Bool, planes: Float32, light: Float32, radius: float, out: Uint8) -> None:
-    """Which dancers may be seen, their images in the floor, their shadows: by a ball around each one's hips.
+    """Frustum culling of dancers, their mirror images and their shadows, with a sphere around each dancer's hips.
 
-    position (A, J, 3), present (A,); planes (P, 4): what is seen lies where n . p + d >= 0 for all of them, n unit
-    vectors; light (3,): from the stage to the key light; `radius` of the ball [m]. out (A,): bits of
-    SEEN, MIRRORED, SHADOWING, PRESENT. Never says no to what is seen (Assarsson and Möller 2000: planes alone err only
-    on the safe side).
+    position (A, J, 3), present (A,); planes (P, 4): a visible point p has n . p + d >= 0 for all of them, n unit
+    vectors; light (3,): from the stage to the key light; `radius` of the sphere [m]. out (A,): bits of SEEN, MIRRORED,
+    SHADOWING, PRESENT. The test is conservative (Assarsson and Möller 2000: planes alone never cull a visible object).
     """
     wide = radius / light[1]
     for a in range(position.shape[0]):
@@ -109,7 +108,7 @@ def sights(position: Float32, present: Bool, planes: Float32, light: Float32, ra
         x = position[a, 0, 0]
         y = position[a, 0, 1]
         z = position[a, 0, 2]
-        # along the light the ball reaches the floor between here and there, drawn out by how low the light is
+        # the shadow on the floor starts below the light's projection of the hips and is stretched by a low light
         drop = max(y, np.float32(0.0)) / light[1]
         sx = x - light[0] * drop
         sz = z - light[2] * drop
@@ -126,7 +125,7 @@ def sights(position: Float32, present: Bool, planes: Float32, light: Float32, ra
 
 @part
 def _smallest(values: Float32, count: int, at: int) -> np.float32:
-    """The value that would stand at `at` if the first `count` were in order; they change places (Hoare 1961, FIND)."""
+    """Return the value at index `at` of the first `count` in sorted order; reorders them (Hoare 1961, FIND)."""
     low = 0
     high = count - 1
     while low < high:
@@ -156,9 +155,9 @@ def _smallest(values: Float32, count: int, at: int) -> np.float32:
 
 @kernel("void(f4[:,:,::1], f4[::1], f4, i8, u1[::1], f4[::1])")
 def split(position: Float32, forward: Float32, near_to: float, near_count: int, sight: Uint8, scratch: Float32) -> None:
-    """Of those who are seen or mirrored: who gets the near body, and who the far one (bits NEAR and FAR of `sight`).
+    """Choose the near or the far body for each dancer (bits NEAR and FAR of `sight`).
 
-    Near are the `near_count` nearest along `forward` (3,), and all whose way along it is less than `near_to` [m].
+    Near are the `near_count` nearest along `forward` (3,), and all whose distance along it is less than `near_to` [m].
     position (A, J, 3), sight (A,), scratch (A or more,).
     """
     count = 0
@@ -181,11 +180,11 @@ def split(position: Float32, forward: Float32, near_to: float, near_count: int, 
 def listed(
     sight: Uint8, group: Int32, body: Int32, ways: Int32, needs: Uint8, out: Float32, counts: Int32, drawn: Bool
 ) -> None:
-    """The numbers of the dancers on each list, by body.
+    """Fill the lists of dancers to draw, by body.
 
-    sight (A,): bits of each dancer; group and body (A or more,); ways (G,): bit l is set where a group's dancers are
-    drawn as list l says; needs (L,): the bits of sight that list l asks for. out (L, K, A or more), counts (L, K);
-    drawn (A or more,): who is on any list.
+    sight (A,): visibility bits; group and body (A or more,); ways (G,): bit l is set if a group's dancers are on list
+    l; needs (L,): the visibility bits that list l requires. out (L, K, A or more): dancer numbers, counts (L, K);
+    drawn (A or more,): whether a dancer is on any list.
     """
     counts[:] = 0
     for a in range(sight.shape[0]):
@@ -200,8 +199,8 @@ def listed(
 
 @kernel("void(f4[:,:,::1], u1[::1], f4[:,::1])")
 def bounds(position: Float32, sight: Uint8, out: Float32) -> None:
-    """The box around all joints of the dancers who are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
-    highest where there is nobody. position (A, J, 3), sight (A,)."""
+    """Compute the box around all joints of dancers that are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
+    highest if there are none. position (A, J, 3), sight (A,)."""
     out[0, :] = np.inf
     out[1, :] = -np.inf
     for a in range(position.shape[0]):

@@ -1,4 +1,4 @@
-"""The renderer: a `StageView` into a framebuffer, by way of its pipeline."""
+"""Renderer that draws a `StageView` into a framebuffer."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,15 +19,15 @@ from live.render.shader import Full
 from live.render.uniforms import FrameBlock
 
 LEAP: Final = 64.0
-"""More beats than this between two pictures: the second one has nothing to do with the first."""
+"""After a jump of more beats than this a picture does not continue the previous one."""
 
 
 class Renderer:
-    """Draws moments of one scene at one size; GL objects are made here and in `resize`, none while drawing.
+    """Draws moments of one scene at one size; GL objects are created here and in `resize`, none while drawing.
 
-    `samples` is the multisampling; None chooses 4 on a graphics card and 0 where the processor draws. `quality`
-    overrides the whole choice. `target` may name the framebuffer that will be drawn to: its size must then be `size`.
-    `patient`: pictures of videos are waited for, as in a film. Targets need no depth and no samples of their own.
+    `samples` is the multisampling; None chooses 4 on a graphics card and 0 in software. `quality` overrides the whole
+    choice. `target`: the framebuffer that will be drawn to; its size must be `size`. `patient`: wait for pictures of
+    videos, as in an offline film. Targets need no depth and no samples.
     """
 
     def __init__(
@@ -43,31 +43,31 @@ class Renderer:
         patient: bool = False,
         bare: bool = False,
     ) -> None:
-        """`steps`: make all that the lower steps of the ladder of quality need as well; see `take_step`.
-        `bare`: without a stage, on nothing; the target's alpha says where something is (samples are needed)."""
+        """`steps`: also create what the lower quality steps need; see `take_step`.
+        `bare`: without a stage, in pictures with alpha (needs samples)."""
         self._ctx, self._scene, self._size = ctx, scene, _checked(size)
         if target is not None and tuple(target.size) != size:
             raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")
         self.quality = quality or (_bare_quality(ctx) if bare else choose(ctx, scene.dancer_count, samples))
         self._empty = 0.0 if bare else 1.0
         self.steps = ladder_of(self.quality) if steps else (Step("all", self.quality),)
-        """The ladder of quality, the best step first."""
+        """The quality steps, the best one first."""
         self.step = 0
-        """Which of them is drawn."""
+        """The current quality step."""
         self.mark: Callable[[str], None] = _nobody
-        """Told what has just been done, for whoever measures: "upload", "draw"."""
+        """Callback after each part of a frame, for time measurement: "upload", "draw"."""
         self._drawn_size = self._size
         self._frame = FrameBlock(ctx, scene, size)
         self._crowd = Crowd(ctx, scene, self.quality, self._size)
         self._crowd.restyle(self._frame.row)
         self._making = Making(ctx, scene, self.quality, self._size, patient, bare)
-        self._own: tuple[OwnPass, ...] = ()  # other texts than the scene's, if there are any by now
+        self._own: tuple[OwnPass, ...] = ()  # custom passes whose source was replaced
         self._pipeline = Pipeline(self._making)
         self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
         self.graph = GraphPass(ctx)
-        """The overlay's graph of frames."""
+        """The overlay's graph of frame times."""
         self._stretch = Full(ctx, "stretch_fragment.glsl")
         self._small: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
         self._beat = 0.0  # of the last picture
@@ -75,12 +75,12 @@ class Renderer:
         self._draw_once()
 
     def _look_from(self, camera: Camera) -> None:
-        """What depends on the camera beside the block of uniforms."""
+        """Update everything that depends on the camera, except the uniform block."""
         self._pipeline.look_from(camera)
         self._crowd.look_from(camera, self._size)
 
     def _draw_once(self) -> None:
-        """Drivers compile a program when it first draws: better now than in the show."""
+        """Draw with every step and style once, because drivers compile a program when it first draws."""
         size = self._size
         scratch = self._ctx.texture(size, 4)
         framebuffer = self._ctx.framebuffer([scratch])
@@ -103,7 +103,7 @@ class Renderer:
         return self._size
 
     def draw(self, view: StageView, target: moderngl.Framebuffer) -> None:
-        """Draw one moment into `target` (the screen's framebuffer or any other of this size)."""
+        """Draw one moment into `target` (the screen's framebuffer, or another one of this size)."""
         frame, moment = self._frame, self._moment
         frame.write(view)
         if frame.moved:
@@ -132,7 +132,7 @@ class Renderer:
         self._pipeline.faults.drawn()
 
     def annotate(self, view: StageView, target: moderngl.Framebuffer) -> None:
-        """Draw what is the operator's alone over a picture that `draw` has drawn: guides and overlay, if shown."""
+        """Draw what only the operator sees over a finished picture: guides and overlay, if shown."""
         faults = self._pipeline.faults
         try:
             if view.overlay and faults.may("graph"):
@@ -146,7 +146,7 @@ class Renderer:
             raise
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]; a minimised window's (0, 0) is taken as 1 x 1."""
+        """Set a new size of the picture [pixels]; (0, 0) of a minimised window becomes 1 x 1."""
         size = _checked(size)
         if size == self._size:
             return
@@ -157,23 +157,23 @@ class Renderer:
 
     @property
     def problems(self) -> list[str]:
-        """What could not go on while the show runs, in words; the last good state of it is drawn."""
+        """Messages about failed files and passes; the last good state is drawn."""
         return self._pipeline.problems
 
     def reset_pass(self, name: str) -> None:
-        """Draw a pass again that was left out because it could not be drawn; empty: all."""
+        """Enable a pass again that was left out after failures; empty: all."""
         self._pipeline.faults.reset(name)
 
     def take_own(self, passes: tuple[OwnPass, ...]) -> None:
-        """Other texts for the patch's own passes; PersonError if one does not compile: its last one goes on."""
+        """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""
         self._pipeline.chain.take_own(passes)
         self._own = passes
 
     def take_shaders(self) -> None:
-        """Make everything that draws anew, of the shaders as they are now; PersonError if one is no program: all goes
-        on as it was (what was made of the others until then is freed with the context).
+        """Rebuild all programs from the current shader files; PersonError if one does not compile: the old ones stay
+        (new ones compiled before the error are freed with the context).
 
-        For who works on a look: this takes seconds, in which nothing is drawn, and pictures begin without a past.
+        For developers of looks: this takes seconds, in which nothing is drawn, and passes lose their history.
         """
         ctx = self._ctx
         made = Pipeline(replace(self._making, size=self._drawn_size))
@@ -187,7 +187,7 @@ class Renderer:
         self._moment.floor, self._moment.cut = made.floor.texture, True
 
     def take_step(self, step: int) -> None:
-        """Draw with another step of the ladder from now on; one of another size is made as by `resize`."""
+        """Draw with another quality step; one with another size resizes the pipeline."""
         if step == self.step and self.quality is self.steps[step].quality:
             return
         self.step, self.quality = step, self.steps[step].quality
@@ -197,11 +197,11 @@ class Renderer:
         self._fit()
 
     def helps(self, step: int) -> bool:
-        """Whether that step of the ladder takes anything from the picture that is drawn now."""
+        """Whether that quality step would reduce the current picture."""
         return self._pipeline.helps(self.steps[step].kind, self._moment)
 
     def _fit(self) -> None:
-        """Make what the scene is drawn into as large as size and quality say."""
+        """Resize the scene's targets to the size and scale of the current quality."""
         scale = self.quality.scale
         width, height = _checked((round(self._size[0] * scale), round(self._size[1] * scale)))
         if (width, height) != self._drawn_size:
@@ -219,7 +219,7 @@ class Renderer:
     def _draw_small(
         self, moment: Moment, target: moderngl.Framebuffer, small: tuple[moderngl.Texture, moderngl.Framebuffer]
     ) -> None:
-        """Draw the picture smaller than `target` and stretch it; what is written on it stays sharp."""
+        """Draw the picture smaller than `target` and stretch it; text is drawn later and stays sharp."""
         texture, framebuffer = small
         self._frame.resize(texture.size)
         self._frame.upload()
@@ -230,18 +230,18 @@ class Renderer:
         self._stretch.draw(target, small=texture)
 
     def release(self) -> None:
-        """Free everything that was made; the renderer must not be used afterwards."""
+        """Free everything; the renderer must not be used afterwards."""
         release_all(self._frame, self._crowd, self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
         if self._small is not None:
             release_all(*reversed(self._small))
 
 
 def _nobody(part: str) -> None:
-    """Nobody measures."""
+    """Default of `Renderer.mark`: do nothing."""
 
 
 def _everything(scene: Scene, *, passes: bool) -> Float64:
-    """A picture's row in which the dancers of the first group are drawn in all styles at once; with all `passes` on."""
+    """Return a parameter row that draws the first group in all styles at once, with all `passes` if set."""
     row = picture_of(scene)
     if passes:
         for name in ("trails", "ink", "vignette", "bloom"):
@@ -253,9 +253,9 @@ def _everything(scene: Scene, *, passes: bool) -> Float64:
 
 
 def _bare_quality(ctx: moderngl.Context) -> Quality:
-    """Edges of alpha come of samples: as on a graphics card, whatever draws. ValueError where there are none."""
+    """Return the quality for pictures with alpha, whose edges need multisampling. ValueError if there is none."""
     if ctx.max_samples < 1:
-        raise ValueError("this driver takes no samples: it draws no picture with alpha")
+        raise ValueError("this driver has no multisampling, which pictures with alpha need")
     return replace(CARD, samples=min(CARD.samples, int(ctx.max_samples)))
 
 

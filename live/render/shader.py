@@ -1,9 +1,6 @@
-"""Shader sources: read from the folders of `shaders/`, with `#include "name.glsl"` and named constants put in.
+"""Shader loader: sources with `#include "name.glsl"` and constants, compiled with errors reported by file and line.
 
-Who works on a look may have some of them read from a folder of its own (`read_from`); what a driver says of a mistake
-is told with file and line.
-
-A program that is drawn over a whole picture: what most passes are.
+Sources come from the folders of `shaders/`. A developer may replace some with files of another folder (`read_from`).
 """
 
 import re
@@ -19,35 +16,35 @@ from live.base.errors import PersonError
 from live.render.gl_release import release_all
 
 VERSION: Final = "#version 410 core"
-"""The newest GLSL of macOS, and enough."""
+"""The newest GLSL version of macOS."""
 WORN: Final = (("WORN", 1),)
-"""Constants of programs that draw characters with images of their own."""
+"""Constants of programs that draw characters with their images."""
 FRAME_BINDING: Final = 0
-"""Where the block of uniforms that all programs share is bound."""
+"""Binding of the uniform block that all programs share."""
 STYLES_BINDING: Final = 1
-"""Where the block of the groups' styles is bound."""
+"""Binding of the uniform block with the groups' styles."""
 LONGEST: Final = 1_000_000
-"""Bytes of a shader's file at most."""
+"""Maximum size of a shader file [bytes]."""
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
-"""A line in the words of a driver: 0:12(3) (Mesa), 0(12) (NVIDIA), ERROR: 0:12 (Apple, AMD)."""
+"""A line number in a driver's log: 0:12(3) (Mesa), 0(12) (NVIDIA), ERROR: 0:12 (Apple, AMD)."""
 
-_instead: list[Path] = []  # the folder of a developer's own, if there is one
+_instead: list[Path] = []  # a developer's folder, if there is one
 
 
 @cache
 def _files() -> dict[str, Traversable]:
-    """The program's own files by name; folders only order them."""
+    """Return the built-in files by name; folders have no meaning."""
     folders = (resources.files("live.render") / "shaders").iterdir()
     return {file.name: file for folder in folders if folder.is_dir() for file in folder.iterdir()}
 
 
 def names() -> list[str]:
-    """The names of all shaders."""
+    """Return the names of all shaders."""
     return sorted(_files())
 
 
 def own_text(name: str) -> str:
-    """The program's own file. Raises FileNotFoundError for an unknown name."""
+    """Return the text of a built-in file. Raises FileNotFoundError for an unknown name."""
     file = _files().get(name)
     if file is None:
         raise FileNotFoundError(name)
@@ -55,9 +52,9 @@ def own_text(name: str) -> str:
 
 
 def read_from(folder: Path | None) -> None:
-    """Take the files that are in `folder` instead of the program's own from now on, as they are then; None: none.
+    """Prefer files in `folder` to the built-in ones from now on, and read them again; None: built-in ones only.
 
-    Programs that are there already stay as they are.
+    Compiled programs do not change.
     """
     _instead[:] = [] if folder is None else [folder]
     _read.cache_clear()
@@ -77,7 +74,7 @@ def _read(name: str) -> str:
 
 
 def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> str:
-    """The text of a shader with its includes; `constants` become #define lines.
+    """Return the text of a shader with its includes; `constants` become #define lines.
 
     Raises FileNotFoundError for an unknown name.
     """
@@ -85,7 +82,7 @@ def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> st
 
 
 def _put_together(name: str, constants: tuple[tuple[str, int | float], ...]) -> tuple[str, list[str]]:
-    """The text, and where each of its lines comes from, in words. (#line would do, but drivers drop its file.)"""
+    """Return the text, and the origin of each line (#line is not enough, because drivers drop its file)."""
     lines = [VERSION] + [f"#define {key} {value}" for key, value in constants]
     places = [f"shaders/{name}"] * len(lines)
     seen: set[str] = set()
@@ -117,7 +114,7 @@ def program(
 ) -> moderngl.Program:
     """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them.
 
-    PersonError, with file and line where the driver tells them, for what is no program.
+    Raises PersonError, with file and line if the driver reports them.
     """
     (above, above_places), (below, below_places) = (_put_together(name, constants) for name in (vertex, fragment))
     try:
@@ -134,7 +131,7 @@ def program(
 
 
 def _problem(log: str, places: list[str]) -> str:
-    """The first mistake of which a driver tells; `places`: where each line of the text comes from."""
+    """Return the first error of a driver's log; `places`: the origin of each line of the text."""
     for line in log.splitlines():
         match = _LINE.search(line)
         if match is not None and "warning" not in line.casefold():
@@ -146,7 +143,7 @@ def _problem(log: str, places: list[str]) -> str:
 
 
 def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
-    """Set a uniform if the program kept it: compilers drop what a variant does not use."""
+    """Set a uniform if the program has it: compilers drop unused ones."""
     uniform = linked.get(name, None)  # `in` would look through all members
     if uniform is not None:
         assert isinstance(uniform, moderngl.Uniform)
@@ -154,7 +151,7 @@ def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
 
 
 class Full:
-    """One fragment shader with the triangle that it is drawn by."""
+    """A fragment shader drawn over a whole target with one triangle."""
 
     def __init__(
         self, ctx: moderngl.Context, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
@@ -167,7 +164,7 @@ class Full:
         set_uniform(self._program, name, value)
 
     def draw(self, target: moderngl.Framebuffer, **textures: moderngl.Texture) -> None:
-        """Draw into `target`; each texture by the name of its sampler."""
+        """Draw into `target`; textures are given by sampler name."""
         target.use()
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)

@@ -1,4 +1,4 @@
-"""The block of uniforms that all programs share, written once a frame."""
+"""Uniform block that all programs share, written once a frame."""
 
 import math
 from typing import Final
@@ -26,9 +26,9 @@ from live.render.camera import rays, world_to_clip
 from live.render.shader import FRAME_BINDING
 
 BORDER_SHOWN: Final = 0.4
-"""The border of a stage that is so much [m] larger or smaller than the scene's is drawn in full."""
+"""The border of a resized stage reaches full strength at this difference [m]."""
 WALL_BEHIND: Final = 3.0
-"""How far behind the stage the back wall stands [m]."""
+"""Distance of the back wall from the stage [m]."""
 
 _BLOCK: Final = np.dtype(
     [
@@ -61,11 +61,11 @@ _BLOCK: Final = np.dtype(
 
 
 VIGNETTING: Final = 0.6
-"""How much darker the corners are than the middle, by the square of the distance from it."""
+"""Darkening of the corners, by the square of the distance from the middle."""
 ENERGETIC: Final = 1.3
-"""Between silence and the most energetic music light that follows its energy differs so much from the usual light."""
+"""Range of the light that follows the music's energy, from silence to maximum, relative to the usual light."""
 BEATS_KEPT: Final = 64.0
-"""Beats after which what swings and drifts comes back."""
+"""Period of swinging and drifting light [beats]."""
 _SPOT_ROWS: Final = tuple(
     (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].where, BY_ADDRESS[f"{at}/radius"].first)
     for at in (f"/dance/spot/{number}" for number in range(1, SPOTS + 1))
@@ -74,14 +74,14 @@ _GRADIENT: Final = ("gradient", "top", "bottom")
 _SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
 CLOSEST: Final = 1e-3
-"""A camera nearer to what it looks at than this [m] looks nowhere: the last one stays."""
+"""A camera nearer to its target than this [m] is ignored; the last one stays."""
 
 
 class FrameBlock:
-    """Holds the block and its buffer; `resize` when the picture's size changes, `write` every frame."""
+    """The block and its buffer; call `resize` if the picture's size changes, `write` every frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, size: tuple[int, int]) -> None:
-        """ValueError for a light that goes nowhere."""
+        """Raises ValueError for a light without direction."""
         self._data = data = np.zeros((), _BLOCK)
         self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
         self._start = picture_of(scene)
@@ -91,26 +91,26 @@ class FrameBlock:
         margin = FLOOR_MARGIN
         data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
         self.moved = self.relit = self.recoloured = self.restyled = False
-        """What was different in the frame that was written last: the camera, anything that the kept backdrop shows,
-        the groups' colours, their colours or styles."""
+        """What has changed in the last written frame: the camera, anything that the cached backdrop shows, the groups'
+        colours, their colours or styles."""
         self._row = self._start.copy()
         self.vignette_at_end = True
-        """Whether the film curve takes the vignette along; otherwise a pass draws it."""
+        """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
-        """The camera of the frame that was written last."""
+        """The camera of the last written frame."""
         self.light = data["key_direction"][:3]
-        """The way towards the key light, a unit vector, shape (3,)."""
+        """Direction towards the key light, a unit vector, shape (3,)."""
         self.resize(size)
         self._light(self._row)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
+        """Set a new size of the picture [pixels]."""
         self._size = size
         self._data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
         self._place(self.camera)
 
     def _place(self, camera: Camera) -> None:
-        """Take a camera."""
+        """Set the camera."""
         data, self.camera = self._data, camera
         data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
         for name, ray in zip(("ray_corner", "ray_right", "ray_up"), rays(camera, self._size), strict=True):
@@ -119,7 +119,7 @@ class FrameBlock:
         data["eye"] = (*camera.eye, front)
 
     def _light(self, row: Float64) -> None:
-        """Take the light of a picture's row."""
+        """Set the light from a parameter row."""
 
         def of(address: str) -> Float64:
             return row[BY_ADDRESS[f"/dance/light/{address}"].where]
@@ -145,8 +145,7 @@ class FrameBlock:
         data["gradient_bottom"][:3] = bottom
 
     def write(self, view: StageView) -> None:
-        """What changes with the moment: the picture's row, brightness, the pulse of the beat; then uploads and binds
-        the block."""
+        """Write the values of a moment (parameter row, brightness, pulse of the beat), upload and bind the block."""
         self._take(self._start if view.picture is None else view.picture)
         phase = view.beat - float(np.floor(view.beat))
         pulse = (1.0 - phase) ** 3
@@ -168,12 +167,12 @@ class FrameBlock:
         self.upload()
 
     def upload(self) -> None:
-        """Give the block to all programs as it is now."""
+        """Upload and bind the block."""
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
 
     def _spots(self, view: StageView) -> None:
-        """Where follow spots are; w of the first one's light says whether any is lit."""
+        """Write the follow spots; w of the first one's light is 1 if any is lit."""
         data, lit = self._data, False
         for number, (level, colour, radius) in enumerate(_SPOT_ROWS):
             strength = float(self._row[level])
@@ -183,7 +182,7 @@ class FrameBlock:
         data["spot_light"][0, 3] = float(lit)
 
     def _take(self, row: Float64) -> None:
-        """Take what is new in a picture's row, and say what that is."""
+        """Apply a parameter row, and set the flags of what has changed."""
         last = self._row
         self.moved = self.relit = self.recoloured = self.restyled = False
         if np.array_equal(row, last):
@@ -200,7 +199,7 @@ class FrameBlock:
 
     @property
     def row(self) -> Float64:
-        """The picture's row in the frame that was written last."""
+        """The parameter row of the last written frame."""
         return self._row
 
     @property
@@ -210,7 +209,7 @@ class FrameBlock:
 
     @property
     def beside(self) -> bool:
-        """Whether any lamp is lit that is dark in the usual light, but for beams."""
+        """Whether any lamp is lit that is off in the usual light, beams excluded."""
         row = self._row
         return self.spots or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
 
@@ -221,27 +220,27 @@ class FrameBlock:
 
     @property
     def resized(self) -> bool:
-        """Whether the stage is of another size than the scene's, so that its border may be seen."""
+        """Whether the stage size differs from the scene's, so that its border may be visible."""
         return bool(self._data["edge"][2] > 0.0)
 
     @property
     def shadows(self) -> bool:
-        """Whether dancers cast any."""
+        """Whether dancers cast shadows."""
         return bool(self._row[SHADOW] > 0.0)
 
     @property
     def mirrors(self) -> bool:
-        """Whether the floor shows them."""
+        """Whether the floor mirrors the dancers."""
         return bool(self._row[MIRROR] > 0.0)
 
     @property
     def group_colours(self) -> Float64:
-        """Colours of the groups in the frame that was written last, shape (16, 3)."""
+        """Colours of the groups in the last written frame, shape (16, 3)."""
         return self._row[COLOURS:STYLES].reshape(-1, 3)
 
     @property
     def level(self) -> float:
-        """How much of the light there is in the frame that was written last."""
+        """Light level of the last written frame."""
         return float(self._data["key_light"][3])
 
     def release(self) -> None:

@@ -32,7 +32,7 @@ def watched():
         clock = SimpleNamespace(time=0.0, now=lambda: clock.time)
         session = SimpleNamespace(
             clock=clock,
-            wish=SimpleNamespace(quality=quality),
+            options=SimpleNamespace(quality=quality),
             engine=SimpleNamespace(mark=None, outward=[], patched=[]),
             status=SimpleNamespace(more={}, notes=[]),
             overload=0.0,

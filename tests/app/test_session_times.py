@@ -4,7 +4,7 @@ import socket
 import threading
 from pathlib import Path
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.session import Session
 from live.app.session_audio import Sound
 from live.supervisor.heartbeat import Heartbeat
@@ -16,8 +16,8 @@ from tests.end_to_end.conftest import PATCH
 def made_session(folder: Path, lifeline: Lifeline | None = None) -> Session:
     patch = folder / "show.toml"
     patch.write_text(PATCH)
-    wish = Wish(patch=str(patch), seed=1, osc=("127.0.0.1", 0))
-    return Session(wish, wish.load(), Sound(), lifeline=lifeline)
+    options = LaunchOptions(patch=str(patch), seed=1, osc=("127.0.0.1", 0))
+    return Session(options, options.load(), Sound(), lifeline=lifeline)
 
 
 def frame(session: Session, seconds: float) -> None:

@@ -30,7 +30,7 @@ def test_work_is_begun_again_after_pauses_that_grow_and_ends_when_it_returns():
     assert work.calls == 9
     assert pauses == [0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.0, 1.0]
     assert faults.facts()["failed"] == {"the OSC port": 8}
-    assert faults.news() == "the OSC port failed and goes on (8 times by now): IndexError: list index out of range"
+    assert faults.news() == "the OSC port failed and continues (8 times by now): IndexError: list index out of range"
 
 
 def test_a_thread_that_is_to_end_is_not_begun_again():
@@ -66,7 +66,7 @@ def test_one_that_fails_again_and_again_rests_and_comes_back_and_others_never_do
         frames += 1
     assert frames == IN_A_ROW + FIRST_REST + 1
     assert good.calls == frames
-    assert "click fails again and again and is left out" in faults.problem()
+    assert "click fails repeatedly and is skipped" in faults.problem()
     for _ in range(2 * FIRST_REST):
         assert calls.call("click", bad) is None
     assert calls.call("click", bad) == "done"

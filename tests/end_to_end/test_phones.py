@@ -9,7 +9,7 @@ from statistics import median
 import numpy as np
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import AudiencePart
 from live.base.event_queue import Inbox
 from live.base.stage_snapshot import Camera, Look, Scene
@@ -34,8 +34,8 @@ class Stage:
         self.clock, self.inbox, self.lock = SystemClock(), Inbox(), threading.Lock()
         status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status)
-        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
-        self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
+        options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
+        self.part = AudiencePart(options, self.show, self.inbox.lane(), self.clock)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run)
 

@@ -38,7 +38,7 @@ def test_nothing_is_found_where_nothing_is_wrong(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ('direction = "long back"', "line 5: direction: 'long back', but she goes "),
+        ('direction = "long back"', "line 5: direction: 'long back', but it travels "),
         ("distance_m = 5.0", "line 5: distance_m: 5, but 0."),
         ("weight_transfer = true", "line 5: weight_transfer: true, but leading_foot is not given"),
     ],
@@ -81,7 +81,7 @@ def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
     back = turn_clip(step.clip, math.radians(170.0))
     (doubt,) = doubts_about(entry, replace(step, clip=back))
     assert doubt[0] == "start_measure"
-    assert "she shows her back" in doubt[1]
+    assert "the back is to the audience" in doubt[1]
     assert doubts_about(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
 
 
@@ -149,8 +149,8 @@ def test_poses_that_nothing_matches_are_told(folder: Path) -> None:
     (folder / "dance.toml").write_text(ONE + 'end_pose = "plie"\nbegin_pose = "plié"\n')
     checked = check_folder(folder)
     findings = told(check_connections([checked], folder, threshold=2.0))
-    assert any("line 5: end_pose: no step begins in 'plie'; those there are: 'plié'" in finding for finding in findings)
-    assert any("line 6: begin_pose: no step ends in 'plié'; those there are: 'plie'" in finding for finding in findings)
+    assert any("line 5: end_pose: no step begins in 'plie'; there are: 'plié'" in finding for finding in findings)
+    assert any("line 6: begin_pose: no step ends in 'plié'; there are: 'plie'" in finding for finding in findings)
 
 
 def test_steps_that_lead_nowhere_are_told_with_their_line(folder: Path) -> None:
@@ -180,4 +180,4 @@ def test_a_tempo_that_the_feet_deny_is_told(folder: Path, written: float, doubte
     findings = [finding for finding in told(check_folder(folder).findings) if ": bpm: " in finding]
     assert bool(findings) == doubted
     if doubted:
-        assert "line 3: bpm: 107, but the feet say" in findings[0]
+        assert "line 3: bpm: 107, but the feet give" in findings[0]

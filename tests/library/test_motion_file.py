@@ -27,7 +27,7 @@ def test_bvh_is_known_by_its_content(tmp_path: Path, name: str) -> None:
 def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
     path = tmp_path / "7_01.amc"
     path.write_text(AMC)
-    with pytest.raises(MotionFileError, match=r"its skeleton is not known; beside it: no .asf file; .*--skeleton"):
+    with pytest.raises(MotionFileError, match=r"its skeleton is not known; next to it: no .asf file; .*--skeleton"):
         read_motion(path)
     (tmp_path / "any.ASF").write_text(ASF)
     assert read_motion(path).joint_count == 4
@@ -77,7 +77,7 @@ def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
     with pytest.raises(MotionFileError, match=r"that is a folder; name a file in it: dance.bvh$"):
         read_motion(tmp_path)
     os.mkfifo(tmp_path / "pipe.bvh")
-    with pytest.raises(MotionFileError, match="that is no file but a device or a pipe"):
+    with pytest.raises(MotionFileError, match="that is a device or a pipe, not a file"):
         read_motion(tmp_path / "pipe.bvh")
     with pytest.raises(MotionFileError):
         read_motion(Path("a\0b"))

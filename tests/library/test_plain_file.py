@@ -34,5 +34,5 @@ def test_devices_and_folders_are_named(name):
 
 
 def test_a_name_that_no_file_has_is_named(tmp_path):
-    with pytest.raises(PersonError, match="no file can be called so"):
+    with pytest.raises(PersonError, match="no file can have this name"):
         read_text(tmp_path / "a\0b", "patch")

@@ -218,7 +218,7 @@ def test_a_recording_cut_off_between_two_lines_is_told_and_one_frame_is_forgiven
     (directory / "dance.bvh").write_text("".join(lines[:-1]))
     assert len(load_recordings(directory)) == 1
     (directory / "dance.bvh").write_text("".join(lines[:-40]))
-    assert "is cut off: it says 601 frames and holds 561" in problems_of(directory)
+    assert "is cut off: it declares 601 frames and has 561" in problems_of(directory)
 
 
 def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
@@ -240,7 +240,7 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
     assert "no TOML file" in problems_of(tmp_path)
     (tmp_path / "dance.bvh").write_text(body_bvh(still(3)))
     message = problems_of(tmp_path)
-    assert "which step is where in its 1 recordings" in message
+    assert "describes steps in its 1 recordings" in message
     assert 'steps.toml with file = "walk.bvh", name = "walk", bpm = 120, first_beat_s = 0.5, measures = 2' in message
     (tmp_path / "deep.toml").write_text("x = " + "[" * 5000 + "]" * 5000)
     assert "deep.toml" in problems_of(tmp_path)

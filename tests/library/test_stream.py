@@ -74,7 +74,7 @@ def test_a_show_dances_a_stream(tmp_path: Path) -> None:
 def test_what_is_said_of_a_step_is_refused(tmp_path: Path, said: str) -> None:
     with pytest.raises(RecordingError) as caught:
         load_recordings(folder(tmp_path, STREAM + said))
-    assert f"steps.toml, line 7: {said.split()[0]}: it is said of a step" in str(caught.value)
+    assert f"steps.toml, line 7: {said.split()[0]}: it belongs to a step" in str(caught.value)
 
 
 def test_a_stream_that_is_too_long_is_refused(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""One tick of the crowd: spatial grid, neighbours, acceleration, contacts and stage bounds.
+"""Simulation tick of the crowd: spatial grid, neighbours, acceleration, contacts and stage bounds.
 
-It may import what `agents` may, and no other room but its kernels.
+This package may import what `agents` may, and of the other packages in `agents` only kernels.
 """

@@ -1,4 +1,4 @@
-"""AgentModel, AgentState and Steering: what stays and what changes of the agents; one agent per dancer."""
+"""Agent data: constant model, state per tick, and steering parameters; one agent per dancer."""
 
 import math
 from dataclasses import dataclass, fields
@@ -13,14 +13,15 @@ Avoidance = Literal["predictive", "thesis"]
 AVOIDANCES: Final[tuple[Avoidance, ...]] = ("predictive", "thesis")
 
 STATE_COLUMNS: Final = 8
-"""Numbers an agent's state has: position 2, velocity 2, acceleration 2, rest, heed."""
+"""Numbers per agent state: position 2, velocity 2, acceleration 2, rest, heed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Parameters of the steering behaviours; metres, seconds, radians. The order is the order in the kernels' vector.
+    """Parameters of the steering behaviours, in metres, seconds and radians, in the order of the kernels' parameter
+    vector.
 
-    Where a number comes from a paper it is named; all others were tuned on the scenarios of `live bench crowd`.
+    Numbers from a paper cite it; all others were tuned on the scenarios of `live bench crowd`.
     """
 
     half_width: float | None = 6.0
@@ -28,28 +29,30 @@ class Steering:
     half_depth: float | None = 4.0
     """Half the stage depth [m]; None: unbounded."""
     avoidance: Avoidance = "predictive"
-    """How agents avoid each other: by time to collision, or by the two distances of T108."""
+    """Collision avoidance: by time to collision, or by the two distances of T108."""
     acceleration: float = 6.0
     """Largest acceleration [m/s²]."""
     turn_rate: float = 5.0
-    """Fastest turn of the way an agent goes [rad/s] while she walks."""
+    """Largest turn rate of the walking direction [rad/s]."""
     relaxation: float = 0.5
-    """Seconds in which the velocity comes near the desired one (T081: force = desired - current velocity)."""
+    """Time constant [s] towards the preferred velocity (T081: force = desired - current velocity)."""
     horizon: float = 3.0
-    """Seconds that the predictive mode looks ahead: τ0, and where the power law is cut off (2014: τ0 = 3 s, no end)."""
+    """Look-ahead of the predictive mode [s]: τ0, and the cut-off of the power law (2014: τ0 = 3 s, no cut-off)."""
     strength: float = 2.5
-    """k of the power law [m²/s²] of Karamouzas, Skinner & Guy (2014: 1.5, from people in the street)."""
+    """k of the power law [m²/s²] of Karamouzas, Skinner & Guy (2014: 1.5, measured on pedestrians)."""
     side: float = 0.1
-    """Angle [rad] by which others are seen farther to the left than they are: all keep to the right; < 0: left."""
+    """Angle [rad] by which neighbours are shifted to the left in perception, so all keep to the right; < 0: to the
+    left.
+    """
     d_s: float = 0.8
-    """T108, thesis mode [m]: closer than this all other behaviours are ignored and the speed is limited."""
+    """T108, thesis mode [m]: below this distance all other behaviours are ignored and the speed is limited."""
     d_f: float = 2.0
-    """T108, thesis mode [m]: between d_s and this all forces are combined; farther off nobody is avoided."""
+    """T108, thesis mode [m]: between d_s and this all forces are combined; no avoidance beyond it."""
     edge: float = 0.25
-    """Seconds: nobody goes at a stage edge, a wall or an obstacle faster than she would reach it in this time."""
+    """Minimum time [s] to reach a stage edge, wall or obstacle; limits the speed towards it."""
 
     lag: float = 0.06
-    """Seconds by which accelerations lag: nobody's push comes at once, and the jerk stays low."""
+    """Time constant [s] of the acceleration; keeps the jerk low."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -62,7 +65,7 @@ class Steering:
             raise ValueError(f"avoidance has to be one of {', '.join(AVOIDANCES)}")
 
     def vector(self) -> Float32:
-        """All parameters in their order, shape (13,); an unbounded side is inf."""
+        """Return all parameters in order, shape (13,); an unbounded side is inf."""
         values: list[float] = []
         for field in fields(self):
             value = getattr(self, field.name)
@@ -74,12 +77,12 @@ class Steering:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentModel:
-    """What does not change during a show (A agents)."""
+    """Data of A agents that is constant during a show."""
 
     radius: Float32
     """Body radius [m], shape (A,)."""
     responsibility: Float32
-    """Share of avoiding that an agent takes, shape (A,): 1 usual, 0 a soloist who has right of way."""
+    """Share of collision avoidance, shape (A,): 1 usual, 0 for a soloist with right of way."""
     steering: Steering
     seed: int
 
@@ -98,32 +101,32 @@ class AgentModel:
 
 
 class AgentState:
-    """The agents at one tick (A agents); the arrays are contiguous parts of `flat`, which the kernels take."""
+    """State of A agents at one tick; the arrays are contiguous views of `flat`, which the kernels read."""
 
     __slots__ = ("acceleration", "flat", "heed", "position", "rest", "velocity")
 
     def __init__(self, agent_count: int) -> None:
         a = agent_count
         self.flat: Float32 = np.zeros(STATE_COLUMNS * a, np.float32)
-        """Everything below, one after another, shape (8 A,)."""
+        """All fields below, concatenated, shape (8 A,)."""
         self.position: Float32 = self.flat[: 2 * a].reshape(a, 2)
         """Stage position (x, z) [m], shape (A, 2)."""
         self.velocity: Float32 = self.flat[2 * a : 4 * a].reshape(a, 2)
         """Velocity [m/s], shape (A, 2)."""
         self.acceleration: Float32 = self.flat[4 * a : 6 * a].reshape(a, 2)
-        """Acceleration [m/s²], shape (A, 2): it lags behind what steering asks for."""
+        """Low-pass filtered acceleration [m/s²], shape (A, 2)."""
         self.rest: Float32 = self.flat[6 * a : 7 * a]
-        """Seconds for which she has stood still and nothing has moved her, shape (A,); she sleeps from SLEEP on."""
+        """Time without motion [s], shape (A,); the agent sleeps from SLEEP on."""
         self.heed: Float32 = self.flat[7 * a :]
-        """Separation [m] with which she came to rest, shape (A,): another one wakes her."""
+        """Separation [m] at which the agent came to rest, shape (A,); a different value wakes it."""
 
     @staticmethod
     def at(position: npt.NDArray[np.floating]) -> "AgentState":
-        """Agents at rest at `position` [m], shape (A, 2)."""
+        """Return agents at rest at `position` [m], shape (A, 2)."""
         state = AgentState(len(position))
         state.position[:] = position
         return state
 
     def copy_from(self, other: "AgentState") -> None:
-        """Take over the values of another state of the same size."""
+        """Copy the values of another state of the same size."""
         self.flat[:] = other.flat

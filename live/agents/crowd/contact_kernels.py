@@ -1,6 +1,6 @@
-"""Contacts: bodies that come near slow down towards each other, and never overlap (position based, Jacobi).
+"""Contacts and bounds: bodies that approach slow down and never overlap (position based, Jacobi).
 
-Bounds: stage edges, walls and obstacles keep velocities and places in (T107).
+Stage edges, walls and obstacles limit velocities and positions (T107).
 """
 
 import math
@@ -15,19 +15,19 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 CAPACITY = 64
-"""How many walls, and how many obstacles, there may be at a time."""
+"""Largest number of walls, and of obstacles."""
 AHEAD = 1.5
-"""Metres before an obstacle or wall from which on it is seen."""
+"""Distance [m] at which avoidance of an obstacle or wall begins."""
 CLOSE = 0.1
 SWERVE = 0.5
-"""How much of her speed at it an agent takes to the side before she is as `CLOSE` [m] to something round."""
+"""Sideways share of the approach speed towards a round obstacle; fades in between AHEAD and a gap of `CLOSE` [m]."""
 SOFT_LANDING = 0.25
-"""Seconds: nobody goes at an edge, a wall or a body faster than she would reach it in this time."""
+"""Minimum time [s] to reach an edge, wall or obstacle; limits the speed towards it."""
 
 
 @kernel("f8(f8,f8,f8,f8)")
 def _within(v: float, at: float, half: float, most: float) -> float:
-    """Velocity along one axis [m/s] that does not lead over an edge `half` [m] from the middle, and back if beyond."""
+    """Clamp a velocity along one axis [m/s] at an edge `half` [m] from the middle; steer back if beyond it."""
     if at > half:
         return min(v, -min(most, (at - half) / SOFT_LANDING))
     if at < -half:
@@ -37,7 +37,7 @@ def _within(v: float, at: float, half: float, most: float) -> float:
 
 @kernel("void(f4[:,::1], f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
 def keep_on_stage(moved: Float32, sorted_: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
-    """Bend the velocities in `moved` at the stage edges, but for those who pass. wants (8 A,): Wants.rows."""
+    """Clamp the velocities in `moved` at the stage edges, except for passing agents. wants (8 A,): Wants.rows."""
     half_width, half_depth = float(params[0]), float(params[1])
     soon = np.float32(SOFT_LANDING)
     if math.isinf(half_width) and math.isinf(half_depth):
@@ -54,7 +54,7 @@ def keep_on_stage(moved: Float32, sorted_: Float32, wants: Float32, slot_agent: 
 
 @kernel("UniTuple(f8,2)(f8,f8,f4[:,::1],i8)")
 def wall_way(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
-    """From the nearest point of wall w to (x, z) [m]."""
+    """Return the vector from the nearest point of wall w to (x, z) [m]."""
     ax, az = float(walls[w, 0]), float(walls[w, 1])
     ex, ez = float(walls[w, 2]) - ax, float(walls[w, 3]) - az
     length2 = ex * ex + ez * ez
@@ -66,11 +66,11 @@ def wall_way(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
 def bend_at_surroundings(
     moved: Float32, sorted_: Float32, n: int, walls: Float32, wall_count: int, obstacles: Float32, obstacle_count: int
 ) -> None:
-    """Bend the velocities in `moved` at walls and obstacles: round them, never into them (obstacle avoidance, T082).
+    """Deflect the velocities in `moved` around walls and obstacles (obstacle avoidance, T082).
 
-    Head on there would be no side to slide to: well before a round obstacle she swerves a little, to the side she
-    tends to or else to one and the same. Once she touches it she is left alone: what she wants may be there. Along a
-    wall she slides, and is held where it lies square in her way.
+    A head-on approach gives no side to slide to. So an agent swerves well before a round obstacle, to the side it
+    already tends to, or else always to the same side. An agent that touches the obstacle is not deflected further,
+    since its goal may be there. Agents slide along walls, and stop at a wall square to their way.
     """
     for s in range(n):
         x, z, radius = float(sorted_[0, s]), float(sorted_[1, s]), float(sorted_[4, s])
@@ -111,7 +111,7 @@ def outside_surroundings(
     obstacles: Float32,
     obstacle_count: int,
 ) -> tuple[float, float]:
-    """The place moved out of walls and obstacles, to the side from which she came."""
+    """Return the position moved out of walls and obstacles, to the side of the previous position."""
     for w in range(wall_count + obstacle_count):
         reach = radius
         if w < wall_count:
@@ -139,20 +139,20 @@ def outside_surroundings(
 
 
 CONTACT_MARGIN = 0.3
-"""Metres of gap from which on two bodies are watched for contact."""
+"""Gap [m] below which two bodies are tracked as a contact pair."""
 LANDING = 0.15
-"""Seconds: two bodies never near each other faster than they would touch in this time."""
+"""Minimum time [s] to contact of two bodies; limits their closing speed."""
 ROUNDS = 12
 PARTING_ROUNDS = 24
 SPARE = 0.001
-"""Metres kept between two bodies."""
+"""Smallest gap kept between two bodies [m]."""
 LEAST_SHARE = 0.02
-"""Mobility of a soloist: somebody has to give way where two of them meet."""
+"""Mobility of a soloist; above 0, so that two soloists can separate."""
 
 
 @part
 def note_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int32, pair_count: int) -> int:
-    """Write down with which later ones of `touches` agent i is near contact; returns the new number of pairs."""
+    """Append the contact pairs of agent i with later agents of `touches`; return the new number of pairs."""
     for m in range(count):
         k = touches[m]
         dx, dz = sorted_[X, i] - sorted_[X, k], sorted_[Z, i] - sorted_[Z, k]
@@ -167,7 +167,7 @@ def note_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int3
 def land_softly(
     moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32, n: int, dt: float
 ) -> None:
-    """Change the velocities in `moved` until no pair nears faster than LANDING allows."""
+    """Reduce closing velocities in `moved` until no pair approaches faster than LANDING allows."""
     for _ in range(ROUNDS):
         for s in range(n):
             change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
@@ -202,7 +202,7 @@ def land_softly(
 
 @kernel("f8(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1])")
 def _push_apart(moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32) -> float:
-    """Sum in `change` by how much each body has to move out of the others; returns the deepest overlap [m]."""
+    """Sum in `change` the correction of each overlapping body; return the deepest overlap [m]."""
     worst = 0.0
     for p in range(pair_count):
         i, j = pairs[2 * p], pairs[2 * p + 1]
@@ -237,7 +237,7 @@ def part_bodies(
     obstacles: Float32,
     obstacle_count: int,
 ) -> None:
-    """Move the new places in `moved` (rows 2, 3) apart until no bodies overlap, nor walls nor obstacles."""
+    """Separate the new positions in `moved` (rows 2, 3) until no bodies, walls or obstacles overlap."""
     for turn in range(PARTING_ROUNDS):
         for s in range(n):
             change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0

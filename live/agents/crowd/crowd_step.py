@@ -1,4 +1,4 @@
-"""Advance: one fixed tick of the crowd."""
+"""One fixed simulation tick of the crowd."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +10,7 @@ from live.agents.crowd.step_kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUM
 
 
 class Advance:
-    """Advances states of the agents of `model`; holds scratch arrays, no state of its own."""
+    """Advances states of the agents of `model`; holds parameters and scratch arrays, no agent state."""
 
     def __init__(self, model: AgentModel) -> None:
         count = model.agent_count
@@ -21,17 +21,17 @@ class Advance:
         self._numbers = np.zeros(NUMBERS * (count + SPARE_COLUMNS) + CELL_ROWS * (8 * count + 258), np.int32)
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """The stage's half sizes [m] are these from now on; whoever is outside goes in."""
+        """Set the stage's half sizes [m]; agents outside move in."""
         begin = 2 * self._agent_count
         self._fixed[begin : begin + 2] = half_width, half_depth
 
     def steer(self, steering: Steering) -> None:
-        """Other parameters from now on; the stage's size stays."""
+        """Replace the steering parameters except the stage size."""
         begin = 2 * self._agent_count
         self._fixed[begin + 2 :] = steering.vector()[2:]
 
     def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
-        """The agents `rows` (n,) take this share of avoiding from now on, (n,)."""
+        """Set the responsibility (n,) of the agents `rows` (n,)."""
         self._fixed[2 * rows + 1] = responsibility
 
     def __call__(
@@ -46,6 +46,6 @@ class Advance:
     ) -> None:
         """Read `current`, write `out` (another object), `dt` [s] later; `time` [s] is that of `current`.
 
-        Few arguments go to the kernel, since each costs as much as an agent.
+        The kernel has few arguments, since each costs as much as one agent.
         """
         advance_crowd(out.flat, current.flat, self._fixed, wants.rows, surroundings.flat, dt, self._rows, self._numbers)

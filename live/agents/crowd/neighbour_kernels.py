@@ -1,13 +1,12 @@
-"""The neighbour pass: separation, alignment, cohesion and predicted collisions, for blocks of agents at a time.
+"""Neighbour pass: separation, alignment, cohesion and predicted collisions, for blocks of LANES agents at a time.
 
-LANES agents who lie one after another in a row of cells are the lanes of a block; all who may matter to any of them
-are met one by one. So nothing is copied or added across lanes, the sums of a block stay in registers, and those of an
-agent are added in the order of slots whoever is in her block: who is out of reach adds exactly nothing. Few ever
-collide: a first loop without branches sums what is cheap and notes with whom somebody of the block may collide or
-touch, a second one looks at those alone. An agent meets herself, too: at no distance and no relative speed she adds
-nothing but 1 to WEIGHT.
+The agents of a block are consecutive in a row of cells and occupy the vector lanes; all candidates near any of them are
+visited one by one. No data moves across lanes, the sums of a block stay in registers, and each agent's sums are added
+in slot order regardless of its block: an agent out of range adds exactly zero. A first, branch-free loop sums the cheap
+terms and records candidates for a collision or contact; a second loop handles only those. An agent visits itself too:
+with zero distance and relative speed it adds only 1 to WEIGHT.
 
-"contract" lets the compiler fuse a product and a sum: results are the same on one machine, however frames fall, and
+"contract" lets the compiler fuse a product and a sum. Results are reproducible on one machine at any frame timing, and
 differ in the last bit on a machine without such an instruction.
 """
 
@@ -67,14 +66,17 @@ _PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
 _MOST_W: Any = _F(1.0 / 0.15)
 _LEAST_C: Any = _F(1e-3)
 _TINY: Any = _F(1e-9)
-_SAFELY: Any = _F(1.002)  # more than all that rounding can do: the first loop has to note all whom the second would see
+_SAFELY: Any = _F(1.002)  # exceeds the rounding error, so that the first loop misses no candidate of the second
 
 
 @part
 def _sum_all_but_avoidance(
     sorted_: Float32, block: Float32, first: int, near: Int32, count: int, side: Any, meets: Int32, touches: Int32
 ) -> tuple[int, int]:
-    """Sums of the block from slot `first` on but for AVOID over all `near`; returns how many `meets`, `touches` are."""
+    """Sum everything except AVOID of the block from slot `first` on over all `near`.
+
+    Return the number of entries written into `meets` and `touches`.
+    """
     meet_count, touch_count = 0, 0
     for m in range(count):
         k: Any = np.uint64(near[np.uint64(m)])
@@ -113,7 +115,7 @@ def _sum_all_but_avoidance(
 
 @part
 def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, side: Any, per_tau: Any) -> None:
-    """Sums AVOID of the block over all `meets`."""
+    """Sum AVOID of the block over all `meets`."""
     for m in range(count):
         k: Any = np.uint64(meets[np.uint64(m)])
         xk, zk, vxk, vzk, rk = sorted_[X, k], sorted_[Z, k], sorted_[VX, k], sorted_[VZ, k], sorted_[RADIUS, k]
@@ -158,11 +160,12 @@ def sum_neighbours(
     touches: Int32,
     pairs: Int32,
 ) -> int:
-    """All sums (SUM_ROWS, n) of all sorted agents; returns the number of pairs near contact, written into `pairs`.
+    """Compute all sums (SUM_ROWS, n) of all sorted agents; return the number of contact pairs written into `pairs`.
 
     asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
-    cohesion of each sorted agent. awake (cells + 1,): how many agents are awake in the cells before; where all round a
-    cell sleep, all sums are 0. Scratch: near, meets, touches (n + 1,). All rows of agents have LANES numbers to spare.
+    cohesion of each sorted agent. awake (cells + 1,): number of awake agents in the preceding cells; if all agents
+    around a cell sleep, its sums are 0. Scratch: near, meets, touches (n + 1,). All rows of agents have LANES spare
+    entries.
     """
     block = np.empty((BLOCK_ROWS, LANES), np.float32)
     for j in range(LANES):

@@ -1,4 +1,4 @@
-"""Surroundings: walls, and round obstacles that may move (set items, real dancers who are tracked) (T082, T107)."""
+"""Walls, and round obstacles that may move (set items, tracked real dancers) (T082, T107)."""
 
 import math
 
@@ -11,7 +11,7 @@ Float32 = npt.NDArray[np.float32]
 
 
 class _Rows:
-    """Named rows of numbers, the first `count[0]` in use; nothing is allocated while they come and go."""
+    """Named rows of numbers, the first `count[0]` in use; adding and removing rows allocates nothing."""
 
     def __init__(self, rows: Float32, count: Float32) -> None:
         self.rows, self._count = rows, count
@@ -37,7 +37,7 @@ class _Rows:
             return False
         last = self.names.pop()
         self._count[0] = len(self.names)
-        if place < len(self.names):  # the last one moves into the gap
+        if place < len(self.names):  # the last row moves into the gap
             self.names[place] = last
             self._place[last] = place
             self.rows[place] = self.rows[len(self.names)]
@@ -45,34 +45,35 @@ class _Rows:
 
 
 class Surroundings:
-    """What stands or moves on the stage besides the agents; changed at any time, seen at the next tick.
+    """Walls and obstacles on the stage; may change at any time and take effect at the next tick.
 
-    What cannot be taken (no place left, a number that is none) is counted in `refused`, never raised: it may come over
-    the network.
+    Entries that cannot be stored (capacity reached, invalid number) are counted in `refused`. No error is raised, since
+    they may come from the network.
     """
 
     def __init__(self) -> None:
         self.flat: Float32 = np.zeros(9 * CAPACITY + 2, np.float32)
-        """All that the kernels see: rows of walls, rows of obstacles, the numbers of both."""
+        """Array read by the kernels: rows of walls, rows of obstacles, and both counts."""
         walls, obstacles = self.flat[: 4 * CAPACITY], self.flat[4 * CAPACITY : 9 * CAPACITY]
         self._walls = _Rows(walls.reshape(CAPACITY, 4), self.flat[9 * CAPACITY :])
         self._obstacles = _Rows(obstacles.reshape(CAPACITY, 5), self.flat[9 * CAPACITY + 1 :])
         self.refused = 0
-        """How many walls and obstacles were not taken."""
+        """Number of walls and obstacles refused."""
 
     def put_wall(self, name: str, x1: float, z1: float, x2: float, z2: float) -> bool:
-        """Put up a wall from (x1, z1) to (x2, z2) [m], or move the one of this name; False: refused."""
+        """Add a wall from (x1, z1) to (x2, z2) [m], or move the wall of this name; False: refused."""
         return self._counted(self._walls.put(name, (x1, z1, x2, z2)))
 
     def put_obstacle(self, name: str, x: float, z: float, radius: float, vx: float = 0.0, vz: float = 0.0) -> bool:
-        """Put a round obstacle of `radius` [m] at (x, z) [m] that moves at (vx, vz) [m/s], or change the one so named.
+        """Add a round obstacle of `radius` [m] at (x, z) [m] with velocity (vx, vz) [m/s], or update the one of this
+        name.
 
-        It is where it was put last: whoever tracks it puts it again with every measurement. False: refused.
+        It stays at the given position; a tracker updates it with every measurement. False: refused.
         """
         return self._counted(radius > 0.0 and self._obstacles.put(name, (x, z, radius, vx, vz)))
 
     def remove(self, name: str) -> bool:
-        """Take away the wall and the obstacle of this name; False: there is none."""
+        """Remove the wall and the obstacle of this name; False: there is none."""
         wall = self._walls.remove(name)
         return self._obstacles.remove(name) or wall
 
@@ -97,7 +98,7 @@ class Surroundings:
 
     @property
     def wall_count(self) -> int:
-        """How many walls there are."""
+        """Number of walls."""
         return len(self._walls.names)
 
     @property
@@ -107,5 +108,5 @@ class Surroundings:
 
     @property
     def obstacle_count(self) -> int:
-        """How many obstacles there are."""
+        """Number of obstacles."""
         return len(self._obstacles.names)

@@ -1,4 +1,4 @@
-"""The avoidance of the thesis: unaligned collision avoidance after Reynolds, weighed by two distances (T082, T108)."""
+"""Collision avoidance of the thesis: Reynolds' unaligned collision avoidance with two distances (T082, T108)."""
 
 import math
 
@@ -25,19 +25,20 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 AHEAD = 2.0
-"""Seconds in which a collision has to come to be avoided."""
+"""Latest time to collision [s] that is avoided."""
 CLEARANCE = 0.2
-"""Metres more than touching that the nearest approach has to leave."""
+"""Gap [m] that the nearest approach must leave."""
 SLOW_SHARE = 0.4
-"""Share of the top speed that an agent keeps closer than d_s; the thesis gives no number."""
+"""Share of the top speed kept below distance d_s; the thesis gives no number."""
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8)")
 def dodge(dx: float, dz: float, ux: float, uz: float, reach: float) -> tuple[float, float]:
-    """Wish to leave the site of the nearest approach to one neighbour, 1 at most, the stronger the sooner it comes.
+    """Return the avoidance vector away from the nearest approach to one neighbour, length at most 1, larger when
+    sooner.
 
-    dx, dz: from the neighbour to the agent [m]; ux, uz: velocity relative to it [m/s]; reach: distance to keep [m].
-    Both of a pair see the same in mirror image; head on both go to their right.
+    dx, dz: from the neighbour to the agent [m]; ux, uz: velocity relative to it [m/s]; reach: distance to keep [m]. The
+    two agents of a pair get mirrored results; head on, both go to their right.
     """
     closing, u2 = -(dx * ux + dz * uz), ux * ux + uz * uz
     if closing <= 0.0 or u2 < 1e-6 or closing > AHEAD * u2:
@@ -58,7 +59,7 @@ def dodge(dx: float, dz: float, ux: float, uz: float, reach: float) -> tuple[flo
 def nearest_threat(
     sorted_: Float32, start: Int32, columns: int, rows: int, cell: int, i: int, d_f: float
 ) -> tuple[float, float, float]:
-    """Distance [m] of the nearest neighbour that comes nearer (1e9: none within d_f), and the sum of all dodges."""
+    """Return the distance [m] of the nearest approaching neighbour (1e9: none within d_f) and the sum of all dodges."""
     nearest, sum_x, sum_z = 1e9, 0.0, 0.0
     for r in range(max(cell // columns - ROWS_ROUND, 0), min(cell // columns + ROWS_ROUND + 1, rows)):
         first = start[r * columns + max(cell % columns - COLUMNS_ROUND, 0)]
@@ -87,11 +88,10 @@ def avoid_by_distance(
     slot_agent: Int32,
     params: Float32,
 ) -> None:
-    """Write avoidance into `sums`, and into `wants` (8 A,) what is left of the other behaviours and of the top speed.
+    """Write avoidance into `sums`; reduce the other behaviours and the speed limit in `wants` (8 A,).
 
-    T108: whoever is closer than d_s to somebody who comes nearer ignores all else, so goes on as
-    she goes but for the avoidance, and slows down; up to d_f everything
-    is combined; farther off nobody is avoided.
+    T108: closer than d_s to an approaching neighbour, an agent ignores all other behaviours, keeps its velocity except
+    for the avoidance, and slows down. Up to d_f everything is combined; there is no avoidance beyond d_f.
     """
     columns, rows = int(grid[2]), int(grid[3])
     most, d_s, d_f = float(params[3]), float(params[9]), float(params[10])

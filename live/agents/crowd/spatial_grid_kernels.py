@@ -1,13 +1,11 @@
-"""Cells: the agents who are present, sorted by cells, as rows of numbers (structure of arrays).
+"""Spatial grid: the present agents sorted by cell, as rows of numbers (structure of arrays).
 
-A counting sort every tick (survey of the steering peers: 6 ns an agent). The cells of a row lie one after another, so
-that the cells round one are a few stretches of slots.
+A counting sort every tick (survey of the steering peers: 6 ns an agent). The cells of a row are consecutive, so the
+neighbourhood of a cell is a few contiguous ranges of slots.
 
-Blocks: LANES agents who lie one after another in a row of cells, as the lanes of vector instructions.
-
-The block's numbers lie in one array with rows of LANES, in which the compiler can tell the rows apart: loops over lanes
-have neither branches nor checks. Its last lanes may belong to the next row of cells, or to nobody: what comes of them
-is written over, or never read.
+Blocks: LANES consecutive agents of a row of cells, as vector lanes. A block is one array with rows of LANES, so that
+the compiler can tell the rows apart; loops over lanes have no branches or checks. The last lanes may belong to the next
+row of cells or to no agent; their results are overwritten or never read.
 """
 
 import math
@@ -22,17 +20,17 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 NEIGHBOUR_RANGE = 3.0
-"""Metres within which neighbours matter."""
+"""Range of neighbour interaction [m]."""
 CELL_X, CELL_Z = 1.0, 3.0
 """Size of a cell [m]."""
 COLUMNS_ROUND, ROWS_ROUND = 3, 1
-"""How many columns and rows of cells on each side hold all neighbours."""
+"""Columns and rows of cells on each side that contain all neighbours."""
 
 # rows of the sorted agents
 X, Z, VX, VZ, RADIUS, GIVE, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
 _PRESENCE = 7  # column of Wants.rows
 SLEEP = 0.5
-"""Seconds of standing still after which an agent sleeps."""
+"""Time [s] without motion after which an agent sleeps."""
 _LIMIT = 1e6
 _NEXT: Any = np.uint64(1)
 _ZERO: Any = np.float32(0.0)
@@ -43,21 +41,21 @@ _PER_Z: Any = np.float32(1.0 / CELL_Z)
 _BRISK2: Any = np.float32(0.7**2)
 _SLOWEST2: Any = np.float32(0.01)
 _IDLE_GIVES: Any = np.float32(0.9)
-"""How much more of the avoiding falls to her who wants nothing: at her goal she lets the others pass."""
+"""Extra share of avoidance taken by an agent without a command: at its goal it lets others pass."""
 
 
 @part
 def asked_of(separation: Any, cohesion: Any) -> Any:
-    """A number that tells what standing neighbours can ask of her: another one wakes her."""
+    """Return a number that identifies the neighbour commands of a standing agent; a change wakes it."""
     return separation + np.float32(1000.0) * cohesion
 
 
 @kernel("i8(f4[::1], f4[::1], i4[::1], f8[::1], i8)")
 def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity: int) -> int:
-    """Lay the grid over those present, at most `capacity` cells; `order` holds them first, in their order: returns n.
+    """Lay the grid over the present agents, at most `capacity` cells; return their number n, `order` lists them first.
 
-    grid (4,): x and z of its corner [m], columns, rows. If they stand so far apart that there would be too many cells,
-    it covers the middle, and all outside belong to the cells of its edge: neighbours stay in neighbouring cells.
+    grid (4,): x and z of its corner [m], columns, rows. If the agents are too far apart for the capacity, the grid
+    covers the middle, and agents outside belong to its border cells; neighbours stay in neighbouring cells.
     """
     left, right, back, front = _LIMIT, -_LIMIT, _LIMIT, -_LIMIT
     n = 0
@@ -67,7 +65,7 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
             left, right, back, front = min(left, x), max(right, x), min(back, z), max(front, z)
             order[n] = i
             n += 1
-    if not (left <= right and back <= front):  # nobody, or nobody who is anywhere
+    if not (left <= right and back <= front):  # no agent, or none with a finite position
         left, right, back, front = 0.0, 0.0, 0.0, 0.0
     columns = math.floor((right - left) / CELL_X) + 1.0
     rows = math.floor((front - back) / CELL_Z) + 1.0
@@ -87,7 +85,7 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
 
 @part
 def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
-    """1 for an agent who has to be looked at, 0 for one who sleeps: she wants nothing, and nothing has moved her."""
+    """Return 1 for an awake agent, 0 for a sleeping one: no command, and no motion for SLEEP seconds."""
     wish = wants[8 * i] * wants[8 * i] + wants[8 * i + 1] * wants[8 * i + 1]
     asked = asked_of(wants[8 * i + 3], wants[8 * i + 5])
     asleep = state[6 * a + i] >= np.float32(SLEEP) and wish <= np.float32(0.0) and state[7 * a + i] == asked
@@ -96,9 +94,9 @@ def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
 
 @part
 def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
-    """Cells of all agents, who may be absent, into cell_of[a:]; without branches, so that it is vectorised.
+    """Write the cells of all agents, absent ones included, into cell_of[a:]; branch-free, so that it is vectorised.
 
-    An agent whose place is no number belongs to the first cell: `max` gives its first argument then.
+    An agent with a NaN position belongs to the first cell: `max` then returns its first argument.
     """
     x0, z0 = np.float32(grid[0]), np.float32(grid[1])
     last_column, last_row = np.float32(grid[2] - 1.0), np.float32(grid[3] - 1.0)
@@ -113,7 +111,7 @@ def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
 def _count_awake(
     state: Float32, wants: Float32, cell_of: Int32, start: Int32, awake: Int32, n: int, cell_count: int
 ) -> None:
-    """How many agents are awake in the cells before; mostly nobody rests, and that is seen at once."""
+    """Count the awake agents in the preceding cells; returns early if no agent rests, the usual case."""
     a = wants.shape[0] // 8
     resting: Any = np.int32(0)
     for i in range(a):
@@ -130,7 +128,7 @@ def _count_awake(
 
 @part
 def _copy_agents(state: Float32, wants: Float32, model: Float32, slot_agent: Int32, sorted_: Float32, n: int) -> None:
-    """What the passes need of the agents, in the order of their slots; unsigned indices cannot count from the end."""
+    """Copy the agents' data in slot order; unsigned indices avoid the check for negative ones."""
     velocity = np.uint64(2 * (wants.shape[0] // 8))
     for s in range(n):
         two, eight = np.uint64(2 * slot_agent[s]), np.uint64(8 * slot_agent[s])
@@ -154,11 +152,12 @@ def sort_agents(
     cells: Int32,
     grid: Any,
 ) -> int:
-    """Sort those present into cells; returns how many (n).
+    """Sort the present agents into cells; return their number n.
 
-    Slots start[c]:start[c + 1] are cell c's agents in the order of their numbers, start = cells[0]; in the cells before
-    c cells[1, c] agents are awake. slot_agent (A,) holds the numbers, sorted_ (SORTED_ROWS, >= A) the values, cell_of
-    (2 A,) is scratch. state (8 A,), wants (8 A,), model (2 A,). grid (4,): x, z of the corner, columns, rows.
+    Slots start[c]:start[c + 1] are the agents of cell c in ascending order, start = cells[0]; cells[1, c] is the number
+    of awake agents in the cells before c. slot_agent (A,) receives the agent indices, sorted_ (SORTED_ROWS, >= A) the
+    values; cell_of (2 A,) is scratch. state (8 A,), wants (8 A,), model (2 A,). grid (4,): x, z of the corner, columns,
+    rows.
     """
     a = wants.shape[0] // 8
     start, awake = cells[0], cells[1]
@@ -184,28 +183,30 @@ def sort_agents(
 
 LANES = 8
 
-# rows of what is asked for an agent
+# rows of an agent's request to the neighbour pass
 PER_SEPARATION2, LATEST, ALIGNMENT, COHESION, ASK_ROWS = 0, 1, 2, 3, 4
 
 # rows of the sums of an agent
 PUSH_X, PUSH_Z = 0, 1
-"""Ways from the neighbours [m], weighted with (1 - d² / separation²)²."""
+"""Vectors from the neighbours [m], weighted with (1 - d² / separation²)²."""
 WEIGHT, FLOCK_X, FLOCK_Z = 2, 3, 4
-"""Sum of weights (1 - d² / range²)²; with these, alignment x relative velocity + cohesion x way to the neighbour."""
+"""Sum of weights (1 - d² / range²)², and with these weights: alignment x relative velocity + cohesion x vector to the
+neighbour.
+"""
 AVOID_X, AVOID_Z = 5, 6
 """Acceleration that avoids predicted collisions [m/s²]."""
 SUM_ROWS = 7
 
-# rows of a block: X to RADIUS, the number of the lane, what is asked, the sums
+# rows of a block: X to RADIUS, the lane number, the requests, the sums
 LANE, ASKED, SUMS, BLOCK_ROWS = 5, 6, 10, 17
 
 _RANGE2: Any = np.float32(NEIGHBOUR_RANGE**2 * 1.0001)
-_1, _2, _3, _4, _5, _6, _7 = (np.uint64(j) for j in range(1, LANES))  # unsigned: they cannot count from the end
+_1, _2, _3, _4, _5, _6, _7 = (np.uint64(j) for j in range(1, LANES))  # unsigned: no check for negative indices
 
 
 @part
 def all_sleep(awake: Int32, columns: int, rows: int, row: int, first: int, last: int) -> bool:
-    """Whether nobody is awake within reach of columns first to last of `row`."""
+    """Whether all agents within range of columns first to last of `row` sleep."""
     left, right = max(first - COLUMNS_ROUND, 0), min(last + COLUMNS_ROUND + 1, columns)
     count = 0
     for r in range(max(row - ROWS_ROUND, 0), min(row + ROWS_ROUND + 1, rows)):
@@ -226,7 +227,7 @@ def leave_asleep(
     first: int,
     last: int,
 ) -> None:
-    """All sums of those of slots first:last are 0 in whose own reach nobody is awake."""
+    """Zero the sums of agents in slots first:last whose neighbourhood sleeps."""
     for c in range(first_column, last_column + 1):
         if all_sleep(awake, columns, rows, row, c, c):
             for i in range(max(start[row * columns + c], first), min(start[row * columns + c + 1], last)):
@@ -248,7 +249,9 @@ def find_near(
     near: Int32,
     hits: Int32,
 ) -> int:
-    """Write into `near` who is within range of the box round slots first:last, in these columns; returns how many."""
+    """Write the candidates within range of the bounding box of slots first:last, in these columns, into `near`; return
+    their number.
+    """
     x0, x1, z0, z1 = sorted_[X, first], sorted_[X, first], sorted_[Z, first], sorted_[Z, first]
     for s in range(first + 1, last):
         x0, x1 = min(x0, sorted_[X, s]), max(x1, sorted_[X, s])
@@ -270,7 +273,7 @@ def find_near(
 
 @part
 def copy_lanes(source: Float32, f: int, first: int, to: Float32, g: int, begin: int) -> None:
-    """Copy LANES numbers of row f from `first` on into row g from `begin` on: all are read first, so with one load."""
+    """Copy LANES numbers of row f from `first` on to row g from `begin` on; all are read first, in one load."""
     s: Any = np.uint64(first)
     t: Any = np.uint64(begin)
     a0, a1, a2, a3 = source[f, s], source[f, s + _1], source[f, s + _2], source[f, s + _3]
@@ -281,7 +284,7 @@ def copy_lanes(source: Float32, f: int, first: int, to: Float32, g: int, begin: 
 
 @part
 def fill_block(sorted_: Float32, asks: Float32, first: int, block: Float32) -> None:
-    """What the loops have to know of the agents from slot `first` on, and sums of 0."""
+    """Fill a block with the agents from slot `first` on and zero sums."""
     for f in range(5):
         copy_lanes(sorted_, f, first, block, f, 0)
     for f in range(ASK_ROWS):

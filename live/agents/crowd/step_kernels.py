@@ -1,9 +1,9 @@
 """One tick of the crowd: cells, neighbours, motion, contacts, bounds.
 
-Motion: what is asked of an agent becomes an acceleration, and a velocity within her limits (T081, T083).
+Motion: each command becomes an acceleration, then a velocity within the agent's limits (T081, T083).
 
-In blocks of BLOCK agents whose numbers lie in rows, so that the compiler turns each loop over a row into vector
-instructions: no branches, no float64, no calls inside such a loop.
+Agents are processed in blocks of BLOCK, as rows of numbers, so that the compiler vectorises each loop over a row: no
+branches, no float64 and no calls inside such a loop.
 """
 
 import math
@@ -43,10 +43,10 @@ BLOCK = 32
 SEPARATION_PEAK = 25.0 * math.sqrt(5.0) / 16.0
 """1 over the largest value of s (1 - s²)², which is at s = 1/√5."""
 FIRM_HORIZON = 0.4
-"""Seconds that a firm agent looks ahead: her way has been planned."""
+"""Look-ahead [s] of an agent with a firm command, whose path is planned."""
 FIRM_SWERVE = 0.25
-"""Seconds for which a firm agent's avoiding acceleration counts in her velocity."""
-# rows of a block; what is asked comes in the order of Wants.rows, the sums in that of the neighbour pass
+"""Time [s] by which the avoidance acceleration of a firm agent is turned into velocity."""
+# rows of a block: commands in the order of Wants.rows, sums in the order of the neighbour pass
 _WANTS, _SUMS, _OLD, _AX, _AZ, _NEW_X, _NEW_Z, _BLOCK_ROWS = 0, 7, 14, 16, 17, 18, 19, 20
 _WISH_X, _WISH_Z, _SPEED, _SEPARATION, _FIRM = 0, 1, 2, 3, 6
 
@@ -64,7 +64,7 @@ _MOST: Any = _F(NEIGHBOUR_RANGE)
 
 @kernel("void(f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
 def ask_agents(asks: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
-    """Fill `asks`: what the neighbour pass has to know of each sorted agent. wants (8 A,): Wants.rows."""
+    """Fill `asks`, the request of each sorted agent to the neighbour pass. wants (8 A,): Wants.rows."""
     horizon, firm_horizon = params[6], _F(FIRM_HORIZON)
     for s in range(n):
         i = 8 * slot_agent[s]
@@ -79,7 +79,7 @@ def ask_agents(asks: Float32, wants: Float32, slot_agent: Int32, n: int, params:
 def _gather_block(
     block: Float32, state: Float32, wants: Float32, sums: Float32, slot_agent: Int32, start: int, n: int
 ) -> None:
-    """Numbers of the sorted agents from `start` on into the block; lanes beyond the last agent repeat her."""
+    """Copy the sorted agents from `start` on into the block; lanes beyond the last agent repeat it."""
     a = wants.shape[0] // 8
     for j in range(BLOCK):
         s = min(start + j, n - 1)
@@ -95,7 +95,7 @@ def _gather_block(
 
 @part
 def _accelerate(block: Float32, most: Any, per_relaxation: Any, catch_up: Any) -> None:
-    """Accelerations of the block: desired - current velocity (T081) over the relaxation time, and avoidance."""
+    """Compute accelerations: (desired - current velocity) (T081) over the relaxation time, plus avoidance."""
     for j in range(BLOCK):
         wish_x, wish_z, speed = block[_WISH_X, j], block[_WISH_Z, j], max(block[_SPEED, j], _ZERO)
         scale = min(speed / max(math.sqrt(wish_x * wish_x + wish_z * wish_z), _TINY), _ONE)
@@ -104,7 +104,7 @@ def _accelerate(block: Float32, most: Any, per_relaxation: Any, catch_up: Any) -
         scale = (_PEAK if separation > _ZERO else _ZERO) * speed / max(separation, _LEAST)
         push_x, push_z = block[_SUMS + PUSH_X, j] * scale, block[_SUMS + PUSH_Z, j] * scale
         scale = min(speed / max(math.sqrt(push_x * push_x + push_z * push_z), _TINY), _ONE)
-        weight = max(block[_SUMS + WEIGHT, j] - _ONE, _ZERO)  # she has met herself
+        weight = max(block[_SUMS + WEIGHT, j] - _ONE, _ZERO)  # without the agent itself
         mean = (_ONE if weight > _LEAST else _ZERO) / max(weight, _LEAST)
         want_x = wish_x + push_x * scale + block[_SUMS + FLOCK_X, j] * mean
         want_z = wish_z + push_z * scale + block[_SUMS + FLOCK_Z, j] * mean
@@ -122,9 +122,9 @@ def _accelerate(block: Float32, most: Any, per_relaxation: Any, catch_up: Any) -
 
 @part
 def _speed_up(block: Float32, most: Any, turn: Any, dt: Any) -> None:
-    """New velocities of the block, within top speed and turn rate; firm ones take up what they want.
+    """Compute new velocities within top speed and turn rate; firm agents take the preferred velocity at once.
 
-    `turn`: tangent of the largest turn. What she cannot turn she brakes.
+    `turn`: tangent of the largest turn. An agent brakes instead of turning further.
     """
     for j in range(BLOCK):
         old_x, old_z, speed = block[_OLD, j], block[_OLD + 1, j], max(block[_SPEED, j], _ZERO)
@@ -162,7 +162,7 @@ def steer_agents(
     params: Float32,
     dt: float,
 ) -> None:
-    """New velocities of the n sorted agents into `moved` (rows 0, 1), their accelerations into `out`.
+    """Write new velocities of the n sorted agents into `moved` (rows 0, 1) and their accelerations into `out`.
 
     wants (8 A,): Wants.rows.
     """
@@ -183,7 +183,7 @@ def steer_agents(
 
 
 ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 32, 16, 2, 32
-"""Rows of the scratch arrays `rows`, `numbers` and `cells`, and how many columns they have beyond the agents."""
+"""Rows of the scratch arrays `rows`, `numbers` and `cells`, and their spare columns beyond the agents."""
 _VELOCITY, _ACCELERATION, _REST, _HEED = 2, 4, 6, 7
 
 
@@ -199,9 +199,9 @@ def finish_tick(
     params: Float32,
     dt: float,
 ) -> None:
-    """Write the new places and velocities; nobody leaves the stage but who passes, and who stands still grows sleepy.
+    """Write the new positions and velocities; clamp to the stage, except passing agents; count the resting time.
 
-    wants (8 A,): Wants.rows. The absent stay as they are, without velocity.
+    wants (8 A,): Wants.rows. Absent agents keep their position, with zero velocity.
     """
     a = wants.shape[0] // 8
     v, acc, zero = _VELOCITY * a, _ACCELERATION * a, np.float32(0.0)

@@ -1,4 +1,4 @@
-"""Elements act on agents: attractors, repulsors, spreaders, crossings and flow fields.
+"""Elements: force fields that act on agents, such as attractors, repulsors, spreaders, crossings and flow fields.
 
-It may import what `agents` may.
+This package may import what `agents` may.
 """

@@ -1,8 +1,8 @@
-"""Fair attraction: where the many voices of an audience gather, and what a place with many of them does to a dancer.
+"""Fair attraction to the many attractor points ("voices") of an audience.
 
-With the nearest source alone (T106) one phone beside a dancer would hold her against a hundred elsewhere, and with a
-mean all of them would stand between the places. So the voices are gathered into places (modes of their density), and
-a place pulls by its share of the voices, and more on those who are near it.
+With the nearest source alone (T106) one phone next to a dancer would outweigh a hundred elsewhere; with a mean, all
+dancers would stand between the places. So the voices are clustered into places (modes of their density). A place pulls
+in proportion to its share of the voices, and more on nearby dancers.
 """
 
 import math
@@ -34,22 +34,22 @@ UInt64 = npt.NDArray[np.uint64]
 PLACE_X, PLACE_Z, SHARE, PULL, DECAY = 0, 1, 2, 3, 4
 PLACE_COLUMNS = 5
 PLACES = 8
-"""Places of one audience at most; the voices elsewhere are not heard."""
+"""Largest number of places per audience; voices elsewhere are ignored."""
 AUDIENCES = 8
-"""Different groups that voices may address at a time."""
+"""Largest number of different group masks addressed at a time."""
 BANDWIDTH = 1.2
-"""Voices within this distance [m] of each other are one place."""
+"""Voices within this distance [m] of each other form one place."""
 SHARPNESS = 4.0
-"""A place with half the voices of another pulls 2 to the power of this less."""
+"""Exponent of the share: a place with half the voices pulls less by a factor of 2 to the power of this."""
 NEARNESS = 8.0
-"""Distance [m] on which nearness counts as much as e times the voices."""
+"""Distance [m] over which nearness counts as much as a factor e in voices."""
 QUORUM = 4.0
-"""So many voices pull with full strength; fewer pull in proportion."""
+"""Number of voices that pull with full strength; fewer pull in proportion."""
 
 
 @kernel("f8(f8,f8,f8,f8)")
 def closeness(ax: float, az: float, bx: float, bz: float) -> float:
-    """How much two voices are at one place: 1 together, 0 from the bandwidth on (biweight kernel)."""
+    """Return the kernel weight of two voices: 1 at the same point, 0 from the bandwidth on (biweight kernel)."""
     t = 1.0 - ((ax - bx) ** 2 + (az - bz) ** 2) / (BANDWIDTH * BANDWIDTH)
     return t * t if t > 0.0 else 0.0
 
@@ -66,7 +66,10 @@ def next_place(
     total: float,
     place: int,
 ) -> bool:
-    """The densest place that is left of one audience into row `place`: its mean, and its voices marked as taken."""
+    """Write the densest remaining place of one audience into row `place` and mark its voices as used.
+
+    The place is the mean of its voices. Return False if no voice is left.
+    """
     first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
     best = -1
     for k in range(first, end):
@@ -76,7 +79,7 @@ def next_place(
     if best < 0:
         return False
     x, z, weight, strength = table[best, X], table[best, Z], 0.0, 0.0
-    for _ in range(4):  # mean shift: the middle of the voices around, which moves towards most of them
+    for _ in range(4):  # mean shift
         sum_x, sum_z, near_sum = 0.0, 0.0, 0.0
         for k in range(first, end):
             a = active[k]
@@ -107,7 +110,7 @@ def next_place(
 
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f8[::1])")
 def weigh_voices(table: Float64, masks: UInt64, active: Int32, density: Float64) -> None:
-    """The weight of the voices around each voice, its own included, into density (E,)."""
+    """Write the weight of the voices around each voice, itself included, into density (E,)."""
     first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
     for k in range(first, end):
         a = active[k]
@@ -130,7 +133,7 @@ def places_of(
     mask: np.uint64,
     begin: int,
 ) -> int:
-    """The places of the voices of one group mask, from row `begin` on; returns the row after the last one."""
+    """Find the places of the voices of one group mask, from row `begin` on; return the row after the last one."""
     first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
     total, most, count = 0.0, 0.0, begin
     for k in range(first, end):
@@ -151,10 +154,10 @@ def places_of(
 
 @kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1])")
 def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64) -> int:
-    """Find the places of the voices that act, and return how many there are.
+    """Find the places of the acting voices; return their number.
 
-    places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place, are written;
-    density (E,) is scratch: it holds each voice's weight around it, and -1 once a voice belongs to a place.
+    Writes places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place. density (E,)
+    is scratch: the weight around each voice, or -1 once a voice belongs to a place.
     """
     weigh_voices(table, masks, active, density)
     count = 0
@@ -174,10 +177,10 @@ def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audien
 def fair_attraction(
     places: Float64, audience: UInt64, position: Float32, groups: UInt64, numbers: Float64, sums: Float64
 ) -> None:
-    """Add the wish towards the places of an audience.
+    """Add the attraction to the places of an audience.
 
-    Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEARNESS): smooth, so that nobody trembles between two places
-    of equal right, and so sharp that a place with a few voices among many does not count.
+    Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEARNESS). They are smooth, so that a dancer does not jitter
+    between two equal places, and so sharp that a place with few voices does not count next to one with many.
     """
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:

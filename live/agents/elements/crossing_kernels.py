@@ -1,4 +1,4 @@
-"""Crossing over (T110): where each dancer goes on the other side of the line, fixed when the crossing begins."""
+"""Crossing behaviour (T110): each dancer's target on the other side of a line, fixed when the crossing begins."""
 
 import math
 
@@ -26,27 +26,27 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
-# columns of what is remembered of an agent (A, 3)
+# columns of the crossing memory of the agents (A, 3)
 OWNER, GOAL_X, GOAL_Z = 0, 1, 2
 MEMORY_COLUMNS = 3
 
 CLEAR = 0.75
-"""Nobody's place on the other side is nearer to the line than this [m]."""
+"""Smallest distance of a target from the line [m]."""
 MARGIN = 0.45
-"""Nor nearer to the stage edge [m]."""
+"""Smallest distance of a target from the stage edge [m]."""
 APART = 0.75
-"""Nor two places to each other [m]."""
+"""Smallest distance of two targets [m]."""
 SLOWING = 1.0
-"""Within this distance [m] of her place a dancer slows down."""
+"""Distance [m] from the target within which a dancer slows down."""
 PARTING_WORK = 3_000_000
-"""Pairs looked at while places part, at most: larger crowds are left to separation."""
+"""Largest number of pairs compared when spacing targets; larger crowds rely on separation."""
 
 
 @kernel("f8(f8,f8,f8,f8,f8,f8,f8)")
 def depth_of_side(
     side: float, ax: float, az: float, nx: float, nz: float, half_width: float, half_depth: float
 ) -> float:
-    """How far the stage goes on a side (+1, -1) of the line through (ax, az) with unit normal (nx, nz) [m]."""
+    """Return the extent [m] of the stage on a side (+1, -1) of the line through (ax, az) with unit normal (nx, nz)."""
     corner = abs(nx) * half_width + abs(nz) * half_depth
     return corner - side * (ax * nx + az * nz)
 
@@ -63,9 +63,9 @@ def over_there(
     half_width: float,
     half_depth: float,
 ) -> tuple[float, float]:
-    """The place on the other side of the line that answers (x, z), which lies on `side` of it: on the same normal.
+    """Return the target across the line for (x, z), which lies on `side` of it, along the same normal.
 
-    Where both sides are equally deep it is the mirror image; else distances from the line shrink or grow with them.
+    If both sides are equally deep, it is the mirror image; otherwise the distance from the line scales with the depths.
     """
     own = max(depth_of_side(side, ax, az, nx, nz, half_width, half_depth), 0.1)
     other = max(depth_of_side(-side, ax, az, nx, nz, half_width, half_depth), 0.1)
@@ -88,7 +88,7 @@ def part_goals(
     half_depth: float,
     seed: int,
 ) -> None:
-    """Move the goals of a crossing apart that are too near to each other, each on its side and on the stage."""
+    """Space out the targets of a crossing that are too close, each on its side and on the stage."""
     agents = memory.shape[0]
     rounds = min(40, PARTING_WORK // max(agents * agents, 1))
     edge_x, edge_z = max(half_width - MARGIN, 0.0), max(half_depth - MARGIN, 0.0)
@@ -144,9 +144,9 @@ def claim(
     half_depth: float,
     seed: int,
 ) -> int:
-    """Give a place on the other side to everybody whom a newer crossing addresses; returns how many got one.
+    """Assign a target on the other side to each dancer addressed by a newer crossing; return how many got one.
 
-    So each dancer crosses once: what is remembered (memory (A, 3)) stays until another crossing addresses her.
+    Each dancer crosses once: the memory (A, 3) stays until another crossing addresses the dancer.
     """
     claimed = 0
     for k in range(ROWS + active[CROSSING], ROWS + active[CROSSING + 1]):
@@ -165,7 +165,7 @@ def claim(
                 continue
             x, z = float(position[i, 0]), float(position[i, 1])
             away = (x - ax) * nx + (z - az) * nz
-            if abs(away) < 1e-4:  # on the line itself: to either side, by seeded chance
+            if abs(away) < 1e-4:  # on the line itself: a seeded random side
                 away = hash_unit(seed, i, 55) - 0.5
             side = math.copysign(1.0, away)
             gx, gz = over_there(x, z, side, ax, az, nx, nz, half_width, half_depth)
@@ -188,7 +188,7 @@ def cross_over(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who cross over (T110): to her place on the other side, where she stays."""
+    """Add the crossing behaviour (T110): arrive at the target on the other side and stay."""
     switched = numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:

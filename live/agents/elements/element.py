@@ -1,4 +1,4 @@
-"""Element: one procedural element, as a value: what, where, for whom, how strongly, between which beats."""
+"""One element as a value: kind, place, groups, strength and time span."""
 
 import itertools
 import math
@@ -27,21 +27,21 @@ from live.agents.elements.element_table_kernels import faded_in
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0
-"""Beats over which an element fades in after its start (most of it at once) and out before its end (evenly)."""
+"""Fade time in beats: ease-out after the start, linear before the end."""
 FARTHEST: Final = 1000.0
-"""No element lies farther than this [m] from the middle of the stage."""
+"""Largest distance of an element from the middle of the stage [m]."""
 Points = tuple[tuple[float, float], ...]
 _DECAY: Final = {ATTRACTOR: 1.2, REPULSOR: 1.6, EVADE: 2.5, FLOW: 1.2}
 
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """One element; it fades in over the first beat of its time and out over the last one (T105, T132).
+    """One element; it fades in over its first beat and out over its last one (T105, T132).
 
     `points` (x, z) [m] are its place: one for a point, two for a segment, more for a polyline (`closed`: a region or a
-    closed path); `radius` [m] makes a disc or a broad line of it, and is the half width of a path. A crossing is the
-    line through its first two points; a uniform flow goes from the first to the second; radial flow and vortex have
-    their centre in the first (negative strength: inwards, the other way round).
+    closed path). `radius` [m] makes a disc or a broad line, and is the half width of a path. A crossing is the line
+    through its first two points; a uniform flow goes from the first to the second; radial flow and vortex are centred
+    on the first (negative strength: inwards, or reversed).
     """
 
     kind: int
@@ -50,30 +50,31 @@ class Element:
     start_beat: float = 0.0
     end_beat: float = math.inf
     groups: int = EVERYBODY
-    """Bits of the groups it addresses; EVERYBODY also means those of no group."""
+    """Bit mask of the addressed groups; EVERYBODY includes dancers of no group."""
     source: str = ""
-    """Who put it there: a phone, an OSC address, the score."""
+    """Origin of the element: a phone, an OSC address or the score."""
     closed: bool = False
     radius: float = 0.0
     fair: bool = False
-    """An attractor as one voice among an audience's many: places with many voices win, one alone captures nobody."""
+    """One vote of an audience: attractors are clustered, places with many votes win, a single one captures no dancer.
+    """
     flow: int = UNIFORM
     decay: float | None = None
-    """Decay length [m] of f(d) = exp(-d / decay); None: the usual one of its kind."""
+    """Decay length [m] of f(d) = exp(-d / decay); None: the default of its kind."""
     target: int = -1
-    """The dancer who is followed, pursued or evaded; -1: the dancers of `target_group`."""
+    """Index of the dancer to follow, pursue or evade; -1: the dancers of `target_group`."""
     target_group: int = -1
-    """The bit of the group that is pursued or evaded (its nearest), or whose first dancer is followed."""
+    """Bit of the group to pursue or evade (its nearest dancer) or to follow (its first dancer)."""
     wedge: bool = False
-    """Followers come in a wedge, not in a line."""
+    """Whether followers form a wedge instead of a line."""
     separation: float | None = None
-    """Distance [m] under which those it addresses push each other away; None: the field's usual one."""
+    """Distance [m] below which the addressed dancers repel each other; None: the field's default."""
     alignment: float = 0.6
     cohesion: float = 0.4
-    """What a flock's dancers take over from their neighbours."""
+    """Weights of a flock's `alignment` and `cohesion`."""
 
     def __post_init__(self) -> None:
-        """Refuse what has no meaning; raises PersonError."""
+        """Validate all fields; raises PersonError."""
         name = next((word for word, kind in KIND_NAMES.items() if kind == self.kind), None)
         if name is None:
             raise PersonError(f"no kind of element has the number {self.kind}", "use the names of KIND_NAMES")
@@ -86,7 +87,10 @@ class Element:
         if max(abs(value) for point in self.points for value in point) > FARTHEST:
             raise PersonError(f"{name}: a place more than {FARTHEST:.0f} m away", "places are metres from the middle")
         if self.radius < 0.0 or (self.decay is not None and self.decay <= 0.0) or (self.separation or 0.0) < 0.0:
-            raise PersonError(f"{name}: radius, decay and separation are distances", "give numbers above 0")
+            raise PersonError(
+                f"{name}: radius, decay and separation must not be negative, decay must be above 0",
+                "give numbers above 0",
+            )
         if not 0 < self.groups <= EVERYBODY:
             raise PersonError(f"{name}: the group mask {self.groups} addresses nobody", "set at least one of 64 bits")
         self._check_place(name)
@@ -96,9 +100,9 @@ class Element:
         if needs_line and line_length(self.points) < 1e-3:
             raise PersonError(f"{name}: its line has no length", "give two points that lie apart")
         if self.kind == CROSSING and math.dist(self.points[0], self.points[1]) < 1e-3:
-            raise PersonError(f"{name}: the first two points of its line are one", "give two points that lie apart")
+            raise PersonError(f"{name}: the first two points of its line coincide", "give two points that lie apart")
         if self.kind in (FOLLOW, PURSUE, EVADE) and (self.target < 0) == (self.target_group < 0):
-            raise PersonError(f"{name}: whom?", "give either a dancer or a group")
+            raise PersonError(f"{name}: target missing or ambiguous", "give either a dancer or a group")
         if not -1 <= self.target_group <= 63 or self.target < -1:
             raise PersonError(f"{name}: no such dancer or group", "dancers count from 0, groups have bits 0 to 63")
         if self.kind == FLOW and not UNIFORM <= self.flow <= GRID:
@@ -108,57 +112,59 @@ class Element:
 
     @property
     def x(self) -> float:
-        """Where it is drawn, across the stage [m]."""
+        """Drawing position across the stage [m]."""
         return self.points[0][0]
 
     @property
     def z(self) -> float:
-        """Where it is drawn, towards the audience [m]."""
+        """Drawing position towards the audience [m]."""
         return self.points[0][1]
 
     @property
     def table_kind(self) -> int:
-        """Its kind in the kernels' arrays: fair attractors are voices."""
+        """Kind in the kernels' arrays; fair attractors are voices."""
         return VOICE if self.fair else self.kind
 
     @property
     def decay_length(self) -> float:
-        """Decay length [m] of its fall-off."""
+        """Decay length [m] of the fall-off."""
         return self.decay if self.decay is not None else _DECAY.get(self.kind, 1.2)
 
     def level(self, beat: float) -> float:
-        """0 to 1: how far it has faded in, or out again, at `beat`."""
+        """Return the fade level, 0 to 1, at `beat`."""
         into, left = beat - self.start_beat, self.end_beat - beat
         if into < 0.0 or left <= 0.0:
             return 0.0
         return float(min(faded_in(into / FADE_BEATS), left / FADE_BEATS))
 
     def moved(self, dx: float, dz: float) -> "Element":
-        """The same element, (dx, dz) [m] farther."""
+        """Return a copy moved by (dx, dz) [m]."""
         return replace(self, points=tuple((x + dx, z + dz) for x, z in self.points))
 
     def ending(self, beat: float) -> "Element":
-        """The same element, fading out from `beat` on from the level it has; as it is if it ends sooner."""
+        """Return a copy that fades out from `beat` on, from its current level; unchanged if it ends sooner."""
         end = beat + self.level(beat) * FADE_BEATS
         if end >= self.end_beat:
             return self
-        # its start moves back, so that the fade out goes on where an unfinished fade in has got to
+        # the start moves back, so that the fade out continues from the level of an unfinished fade in
         return replace(self, start_beat=self.start_beat - FADE_BEATS, end_beat=end)
 
 
 def line_length(points: Points) -> float:
-    """Length [m] of a polyline."""
+    """Return the length [m] of a polyline."""
     return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
 
 
 def line_through(x: float, z: float, angle: float) -> Points:
-    """Two points of the line through (x, z) [m] at `angle` [rad]: 0 runs from the back of the stage to the audience."""
+    """Return two points of the line through (x, z) [m] at `angle` [rad]; 0 runs from the back of the stage to the
+    audience.
+    """
     dx, dz = math.sin(angle), math.cos(angle)
     return (x - dx, z - dz), (x + dx, z + dz)
 
 
 def rectangle(x: float, z: float, width: float, depth: float) -> Points:
-    """Corners of a rectangle around (x, z) [m], for a region (`closed`)."""
+    """Return the corners of a rectangle around (x, z) [m], for a region (`closed`)."""
     a, b = width / 2.0, depth / 2.0
     return (x - a, z - b), (x + a, z - b), (x + a, z + b), (x - a, z + b)
 

@@ -1,4 +1,4 @@
-"""ElementField: the elements in force, and what they wish of every agent at a tick (T105-T110, T132)."""
+"""The active elements and their effect on every agent per tick (T105-T110, T132)."""
 
 from dataclasses import replace
 from typing import Literal, Protocol
@@ -32,7 +32,7 @@ from live.base.stage_snapshot import StageView
 
 
 class Moving(Protocol):
-    """What the field reads of the agents' state: position [m] and velocity [m/s], each (A, 2)."""
+    """State read by the field: position [m] and velocity [m/s] of the agents, each (A, 2)."""
 
     @property
     def position(self) -> Float32:
@@ -44,7 +44,10 @@ class Moving(Protocol):
 
 
 class ElementField:
-    """The elements of a show of A agents. Each tick: `refresh`, then `wish` (as often as needed, also on copies)."""
+    """The elements of a show of A agents.
+
+    Each tick call `refresh`, then `wish` (as often as needed, also on copies).
+    """
 
     def __init__(
         self,
@@ -57,13 +60,14 @@ class ElementField:
         combine: Literal["blended", "switched"] = "blended",
         capacity: int = ELEMENT_CAPACITY,
     ) -> None:
-        """Half sizes of the stage [m]; `separation` [m] of dancers whom elements move, unless an element says another.
+        """Set the stage's half sizes [m] and limits.
 
-        `combine`: wishes are summed, or urgent ones take the speed first (T083). At most `capacity` elements.
+        `separation` [m] is the default for dancers moved by elements. `combine`: preferred velocities are summed, or
+        urgent behaviours use the speed first (T083). At most `capacity` elements.
         """
         self._table = ElementTable(capacity, half_width=half_width, half_depth=half_depth, separation=separation)
         self.influence: Float32 = np.zeros(agent_count, np.float32)
-        """How far the last `wish` has taken each agent from her plan, 0 to 1, shape (A,)."""
+        """Influence of the elements on each agent in the last `wish`, 0 to 1, shape (A,)."""
         self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
         self._sums: Float64 = np.zeros((agent_count, SUM_COLUMNS))
         self._near: Float64 = np.zeros((agent_count, NEAR_COLUMNS))
@@ -83,23 +87,24 @@ class ElementField:
         self._order = np.zeros((2, agent_count), np.int32)
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """The stage's half sizes [m] are these from now on."""
+        """Set the stage's half sizes [m]."""
         self._numbers[HALF_WIDTH], self._numbers[HALF_DEPTH] = half_width, half_depth
         self._area[:] = -half_width, half_width, -half_depth, half_depth
         self._table.resize(half_width, half_depth)
 
-    # -- elements come, move and go ----------------------------------------------------------------------------
+    # -- add, move and remove elements --------------------------------------------------------------------------
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """The elements that have not ended, oldest first."""
+        """Elements that have not ended, oldest first."""
         return tuple(self._table.elements)
 
     def add(self, element: Element, grid: Float32 | None = None) -> bool:
-        """Put one more element in force; if there is no place, the oldest voice, else the oldest element gives way.
+        """Add an element; if the field is full, the oldest voice is removed, or else the oldest element.
 
         `grid` (24, 32, 2): the flow of an element of kind FLOW with flow GRID, at nodes over the stage, the first row
-        at the back. False if a voice found no place. Raises PersonError for a grid that is missing, or of another form.
+        at the back. Return False if there is no room for a voice. Raises PersonError if a grid is missing or has
+        another shape.
         """
         good = grid is not None and grid.shape == (GRID_ROWS, GRID_COLUMNS, 2) and bool(np.isfinite(grid).all())
         if element.kind == FLOW and element.flow == GRID and not good:
@@ -107,9 +112,9 @@ class ElementField:
         return self._table.add(element, grid)
 
     def move(self, old: Element, new: Element) -> Element:
-        """Put `new` in the place of `old` without fading in anew (a dragged attractor stays one); returns what acts.
+        """Replace `old` by `new` without a new fade in (a dragged attractor stays one); return the resulting element.
 
-        If `old` is no longer in force, `new` begins for itself.
+        If `old` is no longer active, `new` starts on its own.
         """
         row = self._table.row_of(old)
         if row is None:
@@ -120,16 +125,17 @@ class ElementField:
         return moved
 
     def remove(self, element: Element) -> bool:
-        """Take away an element that was put there, as if it had never been; False if it is not in force any more."""
+        """Remove an element without a fade out; False if it is no longer active."""
         row = self._table.row_of(element)
         if row is not None:
             self._table.remove(row)
         return row is not None
 
     def end(self, beat: float, *, source: str | None = None, kind: int | None = None, groups: int | None = None) -> int:
-        """Let the elements that fit all that is given fade out from `beat` on, from the level they have.
+        """Fade out all elements that match every given filter from `beat` on, from their current level.
 
-        Those yet to come never begin. `groups`: those that address any of these bits. Returns how many it were.
+        Elements that have not started are removed. `groups` matches elements that address any of these bits. Return the
+        number of matches.
         """
         count = 0
         for row in reversed(range(len(self._table))):
@@ -145,13 +151,13 @@ class ElementField:
         return count
 
     def clear(self, beat: float) -> None:
-        """Let every element fade out from `beat` on."""
+        """Fade out every element from `beat` on."""
         self.end(beat)
 
     # -- each tick ---------------------------------------------------------------------------------------------
 
     def refresh(self, beat: float, wants: Wants, state: Moving, groups: UInt64) -> None:
-        """Once a tick, first: who acts at `beat`; whoever is to cross over gets her place on the other side.
+        """Update the acting elements at `beat` and assign targets of crossings; call once per tick, first.
 
         `groups` (A,) uint64: the bits of the groups each agent belongs to.
         """
@@ -169,17 +175,18 @@ class ElementField:
             )
 
     def foresee(self, beat: float) -> None:
-        """Before `wish` on a copy: who will act at `beat`, as far as is known; the next `refresh` undoes it."""
+        """Set the elements expected to act at `beat`, before `wish` on a copy; the next `refresh` undoes it."""
         self._table.foresee(beat)
 
     def wish(
         self, wants: Wants, state: Moving, groups: UInt64, *, time: float, influence: Float32 | None = None
     ) -> Float32:
-        """Blend what the elements wish into `wants`: (1 - influence) of the planned velocity and firmness, and theirs.
+        """Blend the elements into `wants`: (1 - influence) of the planned velocity and firmness, plus the elements'
+        velocity.
 
-        Also raises separation, alignment and cohesion to what they ask for. `time` [s] is for seeded chance. Writes
-        the influence of each agent, 0 to 1, into `influence` (A,) or else into the field's own, and returns it. It
-        changes nothing else, so a look-ahead may call it on copies (with an `influence` of its own).
+        Also raises separation, alignment and cohesion to the elements' values. `time` [s] is the argument of the noise.
+        Writes the influence of each agent, 0 to 1, into `influence` (A,) or else into the field's own array, and
+        returns it. Has no other effect, so a look-ahead may call it on copies (with a separate `influence`).
         """
         out = self.influence if influence is None else influence
         table = self._table
@@ -194,12 +201,13 @@ class ElementField:
         )  # fmt: skip
         return out
 
-    # -- what is seen ------------------------------------------------------------------------------------------
+    # -- drawing -----------------------------------------------------------------------------------------------
 
     def show(self, view: StageView) -> None:
-        """Copy what acts now into the drawing snapshot: kind, place, level, and the corners of lines and regions.
+        """Copy the acting elements into the drawing snapshot: kind, place, level, and the corners of lines and regions.
 
-        Audiences' voices are of kind VOICE. Corners for which there is no room are left out with their element's line.
+        Audience votes have kind VOICE. Corners that exceed the capacity are dropped, together with the line of their
+        element.
         """
         table = self._table
         view.element_count = show_elements(
@@ -209,5 +217,5 @@ class ElementField:
         )  # fmt: skip
 
     def shown(self) -> list[tuple[Element, float]]:
-        """The elements that act now with their levels, for pictures that draw lines and regions."""
+        """Return the acting elements with their levels, for pictures that draw lines and regions."""
         return [(self._table.elements[row], float(self._table.rows[row, LEVEL])) for row in self._table.acting]

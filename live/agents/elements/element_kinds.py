@@ -1,4 +1,4 @@
-"""Kinds of procedural elements, kinds of flow, and bounds: the numbers that elements, kernels and drawing share."""
+"""Constants of elements shared by elements, kernels and drawing: kinds, kinds of flow, and limits."""
 
 from typing import Final
 
@@ -38,16 +38,16 @@ KIND_NAMES: Final = {
     "evade": EVADE,
     "path": PATH,
 }
-"""The words of patches, scores and addresses."""
+"""Names used in patches, scores and OSC addresses."""
 
 FLOW_NAMES: Final = {"uniform": UNIFORM, "radial": RADIAL, "vortex": VORTEX, "drawn": DRAWN, "grid": GRID}
 
 EVERYBODY: Final = (1 << 64) - 1
-"""The group mask of an element that addresses all dancers, also those who belong to no group."""
+"""Group mask that addresses all dancers, including those of no group."""
 VERTEX_COUNT: Final = 64
-"""Corners that the kernels keep of a drawn line; a longer one is simplified."""
+"""Largest number of vertices kept for a drawn line; longer lines are simplified."""
 POINT_LIMIT: Final = 4096
-"""Points that a line may be drawn with."""
+"""Largest number of points of a drawn line."""
 
 __all__ = [
     "ATTRACTOR",

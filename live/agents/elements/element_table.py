@@ -1,4 +1,4 @@
-"""ElementTable: elements as rows of numbers for the kernels; bounded, the oldest gives way."""
+"""Elements as rows of numbers for the kernels, with a fixed capacity; a full table drops the oldest."""
 
 from typing import Final
 
@@ -16,27 +16,27 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 SLOTS: Final = 8
-"""Drawn flows at a time; the flow drawn first gives way."""
+"""Largest number of drawn flows; the oldest is replaced."""
 CROSSING_SEPARATION: Final = 0.7
-"""Dancers who cross keep this distance [m]: more would hold the two streams apart."""
+"""Separation of crossing dancers [m]; more would keep the two streams apart."""
 
 
 class ElementTable:
-    """Rows of elements, oldest first, in arrays that are allocated once."""
+    """Rows of elements, oldest first, in preallocated arrays."""
 
     def __init__(self, capacity: int, *, half_width: float, half_depth: float, separation: float) -> None:
-        """`capacity` elements at most; half sizes of the stage [m]; the usual `separation` [m]."""
+        """`capacity` elements at most; half sizes of the stage [m]; default `separation` [m]."""
         self.elements: list[Element] = []
-        # twice the room, over which the window of the rows slides: so the oldest gives way without moving the others
+        # twice the capacity: the window of rows slides over it, so that dropping the oldest row moves no other
         self._all_rows: Float64 = np.zeros((2 * capacity, element_table_kernels.COLUMNS))
         self._all_masks: UInt64 = np.zeros(2 * capacity, np.uint64)
         self._all_vertices: Float32 = np.zeros((2 * capacity, VERTEX_COUNT, 2), np.float32)
         self._first = 0
-        self._serials: dict[int, int] = {}  # by the elements' identity
+        self._serials: dict[int, int] = {}  # by id() of the element
         self._fair = 0
         self.grids: Float32 = np.zeros((SLOTS, GRID_ROWS, GRID_COLUMNS, 2), np.float32)
         self.active: Int32 = np.zeros(KIND_COUNT + 1 + capacity, np.int32)
-        """Where each kind begins, and the rows that act, sorted by kind: see `refresh_table`."""
+        """Start index of each kind, then the acting rows sorted by kind: see `refresh_table`."""
         self._half = (half_width, half_depth)
         self._separation = separation
         self._capacity = capacity
@@ -51,21 +51,21 @@ class ElementTable:
         self.vertices: Float32 = self._all_vertices[window]
 
     def number_again(self) -> None:
-        """Find elements by those that there are now: those that were read back are others."""
+        """Rebuild the identity index after unpickling, which creates new element objects."""
         serials = self.rows[: len(self.elements), element_table_kernels.SERIAL]
         self._serials = {id(each): int(serial) for each, serial in zip(self.elements, serials, strict=True)}
 
     def row_of(self, element: Element) -> int | None:
-        """Where this very element is; None if it is not in force."""
+        """Return the row of this element object, or None if it is not active."""
         serial = self._serials.get(id(element))
         if serial is None:
             return None
         return int(
             np.searchsorted(self.rows[: len(self.elements), element_table_kernels.SERIAL], serial)
-        )  # rows keep their order
+        )  # rows are in order of their serials
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """The stage's half sizes [m] are these from now on: drawn flows are laid over it anew."""
+        """Set the stage's half sizes [m] and recompute drawn flows."""
         self._half = (half_width, half_depth)
         for row, element in enumerate(self.elements):
             if element.kind == FLOW and element.flow == DRAWN and self.rows[row, element_table_kernels.SLOT] >= 0.0:
@@ -75,9 +75,10 @@ class ElementTable:
         return len(self.elements)
 
     def add(self, element: Element, grid: Float32 | None = None) -> bool:
-        """Put one more row at the end. If all are taken, the oldest voice gives way, to others also the oldest element.
+        """Append a row. If the table is full, drop the oldest voice; if there is none, an element of the show drops the
+        oldest.
 
-        False if a voice found only elements of the show itself, which it does not push out.
+        Return False if a voice finds only elements of the show, which it does not displace.
         """
         if len(self.elements) >= self._capacity:
             place = next((row for row, old in enumerate(self.elements) if old.fair), None) if self._fair else None
@@ -97,7 +98,7 @@ class ElementTable:
         return True
 
     def replace(self, row: int, element: Element) -> None:
-        """Put `element` into the place of another; it keeps its number, so a crossing is not danced again."""
+        """Replace the element of a row; it keeps its serial, so a crossing does not start again."""
         old = self.elements[row]
         self.elements[row] = element
         self._serials[id(element)] = self._serials.pop(id(old))
@@ -141,7 +142,7 @@ class ElementTable:
         if slot < 0 or self._slot_use[slot] != serial:
             slot = min(range(SLOTS), key=self._slot_use.__getitem__)
         for other in range(len(self.elements)):
-            if other != row and self.rows[other, element_table_kernels.SLOT] == slot:  # its flow has given way
+            if other != row and self.rows[other, element_table_kernels.SLOT] == slot:  # its flow is replaced
                 self.rows[other, element_table_kernels.STRENGTH], self.rows[other, element_table_kernels.SLOT] = (
                     0.0,
                     -1.0,
@@ -151,7 +152,7 @@ class ElementTable:
         self.grids[slot] = grid
 
     def remove(self, row: int) -> None:
-        """Take one row out; those after it move up."""
+        """Remove a row; later rows move up."""
         if self.rows[row, element_table_kernels.SLOT] >= 0.0:
             self._slot_use[int(self.rows[row, element_table_kernels.SLOT])] = 0
         last = len(self.elements)
@@ -163,13 +164,13 @@ class ElementTable:
             return
         for array in (self.rows, self.masks, self.vertices):
             array[row : last - 1] = array[row + 1 : last]
-        if row == 0:  # the window has come to the end of its room
+        if row == 0:  # the window has reached the end of the array
             for array in (self._all_rows, self._all_masks, self._all_vertices):
                 array[: last - 1] = array[self._first : self._first + last - 1]
             self._slide(0)
 
     def refresh(self, beat: float) -> None:
-        """Set levels and the list of who acts at `beat`; rows that have ended go."""
+        """Update levels and the list of acting rows at `beat`; remove rows that have ended."""
         if element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active):
             for row in reversed(range(len(self.elements))):
                 if self.elements[row].end_beat <= beat:
@@ -177,12 +178,12 @@ class ElementTable:
             element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
     def foresee(self, beat: float) -> None:
-        """Set levels and the list of who acts as they will be at `beat`; all rows stay, until the next `refresh`."""
+        """Set levels and the list of acting rows for `beat`; no row is removed before the next `refresh`."""
         element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
     @property
     def acting(self) -> Int32:
-        """The rows that act, sorted by kind."""
+        """Acting rows, sorted by kind."""
         first = KIND_COUNT + 1
         return self.active[first : first + int(self.active[KIND_COUNT])]
 

@@ -1,7 +1,4 @@
-"""The table of elements: its columns, and who of them acts at a beat (T105, T132).
-
-What acts, copied from the table of elements into the arrays of a drawing snapshot.
-"""
+"""Element table: its columns, the rows that act at a beat (T105, T132), and their copy to a drawing snapshot."""
 
 import math
 
@@ -30,11 +27,11 @@ COLUMNS = 20
 # columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64
 SUM_X, SUM_Z, LEFT, MOST, HEARD = 0, 1, 2, 3, 4
 SUM_COLUMNS = 5
-# numbers of a call
+# indices of the parameters of a call
 TIME, SEED, HALF_WIDTH, HALF_DEPTH, SWITCHED, PLACE_COUNT = 0, 1, 2, 3, 4, 5
 NUMBERS = 6
 ROWS = KIND_COUNT + 1
-"""Where the list of acting rows begins in `active`."""
+"""Start of the list of acting rows in `active`."""
 
 ALL_BITS = np.uint64(0xFFFFFFFFFFFFFFFF)
 _NONE = np.uint64(0)
@@ -42,13 +39,13 @@ _NONE = np.uint64(0)
 
 @part
 def addresses(mask: np.uint64, groups: np.uint64) -> bool:
-    """Whether an element of group mask `mask` means a dancer of `groups`; all bits mean everybody."""
+    """Whether a group mask addresses a dancer of `groups`; ALL_BITS addresses every dancer."""
     return bool(mask == ALL_BITS or (mask & groups) != _NONE)
 
 
 @part
 def newest(table: Float64, masks: UInt64, active: Int32, kind: int, groups: np.uint64) -> int:
-    """The newest acting element of a kind that addresses these groups; -1: none."""
+    """Return the newest acting element of a kind that addresses these groups, or -1."""
     found = -1
     for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
         if addresses(masks[active[k]], groups):
@@ -58,7 +55,7 @@ def newest(table: Float64, masks: UInt64, active: Int32, kind: int, groups: np.u
 
 @part
 def take(sums: Float64, i: int, x: float, z: float, influence: float, switched: bool) -> None:
-    """Add a wish to the sum of an agent: as it is (blended), or no more of it than is left of the speed (switched)."""
+    """Add a preferred velocity to an agent's sum: in full (blended), or up to the remaining speed (switched)."""
     if switched:
         size = math.sqrt(x * x + z * z)
         if size > sums[i, LEFT]:
@@ -71,9 +68,9 @@ def take(sums: Float64, i: int, x: float, z: float, influence: float, switched: 
 
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1])")
 def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups: UInt64, sums: Float64) -> None:
-    """Begin the sums (A, 5), and raise in `wants` (A, 8) what the acting elements ask of agents towards neighbours.
+    """Reset the sums (A, 5) and raise the neighbour weights in `wants` (A, 8) to those of the acting elements.
 
-    sums[:, HEARD] becomes the largest level of those that address an agent who is there; 0: nobody means her.
+    sums[:, HEARD] becomes the largest level of the elements that address a present agent; 0: none does.
     """
     for i in range(wants.shape[0]):
         sums[i, SUM_X], sums[i, SUM_Z], sums[i, LEFT], sums[i, MOST], sums[i, HEARD] = 0.0, 0.0, 1.0, 0.0, 0.0
@@ -96,10 +93,10 @@ def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups
 
 @kernel("f8(f8)")
 def faded_in(share: float) -> float:
-    """How far an element has faded in, 0 to 1, when this share of the fade is over.
+    """Return the fade-in level, 0 to 1, at this fraction of the fade.
 
-    Its slope begins at once, so that agents change their course within two frames, and ends at 0: there is no corner,
-    and as agents' accelerations lag, no jolt.
+    The slope is steepest at the start, so that agents react within two frames, and 0 at the end. The lag of the
+    accelerations prevents a jolt.
     """
     rest = max(1.0 - share, 0.0) ** 2
     return 1.0 - rest * rest
@@ -107,10 +104,10 @@ def faded_in(share: float) -> float:
 
 @kernel("i8(f8[:,::1],i8,f8,f8,i4[::1])")
 def refresh_table(table: Float64, count: int, beat: float, fade: float, active: Int32) -> int:
-    """Set every row's level at `beat` and list those that act, by kind; returns how many have ended.
+    """Set every row's level at `beat` and list the acting rows by kind; return how many have ended.
 
-    table (E, 20): the first `count` rows; `fade` in beats; active (E + KIND_COUNT + 1,): first where each kind's rows
-    begin (KIND_COUNT + 1 numbers), then the rows that act, sorted by kind, oldest first.
+    table (E, 20): the first `count` rows; `fade` in beats; active (E + KIND_COUNT + 1,): first the start of each kind's
+    rows (KIND_COUNT + 1 numbers), then the acting rows, sorted by kind, oldest first.
     """
     ended = 0
     for k in range(KIND_COUNT + 1):
@@ -129,7 +126,7 @@ def refresh_table(table: Float64, count: int, beat: float, fade: float, active: 
         active[k + 1] += active[k]
     for row in range(count - 1, -1, -1):
         if table[row, LEVEL] > 0.0:
-            # each kind is filled from its end, and the ends move down to the beginnings
+            # each kind is filled from its end, so that the end indices become start indices
             kind = int(table[row, KIND]) + 1
             active[kind] -= 1
             active[KIND_COUNT + 1 + active[kind]] = row
@@ -152,10 +149,10 @@ def show_elements(
     kind: Int32, position: Float32, level: Float32, radius: Float32, strength: Float32, flow: Int32,
     first: Int32, corners: Int32, corner: Float32,
 ) -> int:  # fmt: skip
-    """Copy the rows that act into the arrays of a `StageView`, as many as there is room for; returns how many.
+    """Copy the acting rows into the arrays of a `StageView`, up to their capacity; return their number.
 
-    `table`, `active`, `vertices` as in `ElementTable`. A line or region whose corners find no room in `corner` stays a
-    point; of a closed one the first corner comes once more at its end.
+    `table`, `active`, `vertices` as in `ElementTable`. A line or region whose corners exceed the capacity of `corner`
+    stays a point; a closed one repeats its first corner at the end.
     """
     count: int = min(active[KIND_COUNT], kind.shape[0])
     used = 0

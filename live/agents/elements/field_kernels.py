@@ -1,10 +1,9 @@
-"""What the elements wish of every agent: passes over the agents, one for each kind that acts (T083, T105-T110).
+"""Effect of the elements on every agent: one pass over the agents for each acting kind (T083, T105-T110).
 
-Behaviours are blended (a weighted sum, at most the top speed) or switched: those that come first in the order of
-urgency take what they want of the speed, the others share what is left (Reynolds 1987: prioritized acceleration
-allocation).
+Behaviours are blended (a weighted sum, at most the top speed) or switched: urgent behaviours use their part of the
+speed first, the others share the rest (Reynolds 1987: prioritized acceleration allocation).
 
-Flow fields (T082): align the motion with the tangent of a field, here uniform, radial, a vortex, drawn or a grid.
+Flow fields (T082) align the motion with the tangent of a uniform, radial, vortex, drawn or grid field.
 """
 
 import math
@@ -69,7 +68,7 @@ UInt64 = npt.NDArray[np.uint64]
 def flow_at(
     table: Float64, vertices: Float32, grids: Float32, row: int, x: float, z: float, numbers: Float64
 ) -> tuple[float, float]:
-    """The flow of one element at a place, before strength and level."""
+    """Return the flow of one element at a place, before strength and level."""
     ax, az, kind = table[row, X], table[row, Z], int(table[row, FLOW_KIND])
     fx, fz = 0.0, 0.0
     if kind == UNIFORM:
@@ -98,7 +97,7 @@ def flow_fields(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the sum of all flows where each agent will be in a moment; one with a radius acts only within it, softly."""
+    """Add the sum of all flows at each agent's predicted position; a radius limits a flow, with a soft border."""
     switched = numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:
@@ -128,7 +127,7 @@ def acts(active: Int32, kind: int) -> bool:
 
 @kernel("void(f4[:,::1],f8[:,::1],f4[::1])")
 def blend(wants: Float32, sums: Float64, influence: Float32) -> None:
-    """Blend the sums over what is planned: (1 - influence) of the plan, and the elements' wish at most at top speed."""
+    """Blend the sums over the plan: (1 - influence) of the plan plus the elements' velocity, at most the top speed."""
     for i in range(wants.shape[0]):
         influence[i] = 0.0
         if sums[i, HEARD] <= 0.0:
@@ -170,12 +169,11 @@ def wish_of_all(
     near: Float64,
     influence: Float32,
 ) -> None:
-    """Blend the wishes of all acting elements into `wants` (A, 8), and write how far they have taken each agent.
+    """Blend all acting elements into `wants` (A, 8), and write each agent's influence.
 
-    position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as
-    ElementField holds them; memory (A, 3): goals of crossings; area, mesh, cosines, start, order, spreading (A, 2),
-    sums (A, 5), near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 leaves the plan as it is, 1 puts the
-    elements' wish in its place.
+    position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as in
+    ElementField; memory (A, 3): targets of crossings; area, mesh, cosines, start, order, spreading (A, 2), sums (A, 5),
+    near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 keeps the plan, 1 replaces it by the elements.
     """
     company(table, masks, active, wants, groups, sums)
     if acts(active, REPULSOR):

@@ -1,4 +1,4 @@
-"""Following a leader, pursuing and evading (T082; Reynolds 1999): elements whose place is another dancer."""
+"""Leader following, pursuit and evasion (T082; Reynolds 1999): elements that target another dancer."""
 
 import math
 
@@ -31,14 +31,14 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 GAP = 0.9
-"""Metres between those who follow each other, if an element's radius says nothing more."""
+"""Default distance between followers [m], if the element has no radius."""
 HUNTERS = 64
-"""So many dancers of a group are looked at for the nearest."""
+"""Largest number of dancers of a group searched for the nearest."""
 
 
 @kernel("i8(f4[:,::1],u8[::1],i8,i8)")
 def first_of(wants: Float32, groups: UInt64, target: int, target_group: int) -> int:
-    """The dancer who is meant: the target herself, or the first one present of a group; -1: nobody."""
+    """Return the target dancer, or the first present dancer of a group; -1: none."""
     if target >= 0:
         return target if target < groups.shape[0] and wants[target, PRESENCE] > 0.0 else -1
     bit = np.uint64(1) << np.uint64(target_group)
@@ -50,7 +50,7 @@ def first_of(wants: Float32, groups: UInt64, target: int, target_group: int) -> 
 
 @kernel("i8(f4[:,::1],f4[:,::1],u8[::1],i8,i8,i8)")
 def nearest_of(position: Float32, wants: Float32, groups: UInt64, target: int, target_group: int, agent: int) -> int:
-    """The dancer who is meant: the target herself, or the nearest one of a group; -1: nobody, never oneself."""
+    """Return the target dancer, or the nearest one of a group, never the agent itself; -1: none."""
     if target >= 0:
         meant = target < groups.shape[0] and target != agent and wants[target, PRESENCE] > 0.0
         return target if meant else -1
@@ -82,10 +82,10 @@ def follow_one(
     sums: Float64,
     switched: bool,
 ) -> None:
-    """Add the wish of those who follow `leader` as element `row` says, in the order of their numbers.
+    """Add the velocity of the followers of `leader` for element `row`, in index order.
 
-    In a line everybody follows the one before her; in a wedge the one before her on her side, along the leader's
-    heading (towards the audience while the leader stands). Nobody stays in the leader's way.
+    In a line each dancer follows the previous one; in a wedge the previous one on the same side, along the leader's
+    heading (towards the audience while the leader stands). Followers clear the leader's path.
     """
     hx, hz = unit(float(velocity[leader, 0]), velocity[leader, 1] + 0.05)
     gap = table[row, RADIUS] if table[row, RADIUS] > 0.0 else GAP
@@ -125,7 +125,7 @@ def follow_leaders(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who follow; each follows as the newest element says that addresses her."""
+    """Add the velocity of all followers; each obeys the newest element that addresses it."""
     for k in range(ROWS + active[FOLLOW], ROWS + active[FOLLOW + 1]):
         row = active[k]
         leader = first_of(wants, groups, int(table[row, TARGET]), int(table[row, TARGET_GROUP]))
@@ -148,7 +148,7 @@ def hunt(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who pursue (the newest quarry given to each) or evade (all hunters together, T105's f)."""
+    """Add the velocity of pursuers (of their newest quarry) and evaders (from all hunters together, f of T105)."""
     kind = EVADE if flees else PURSUE
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:

@@ -1,4 +1,4 @@
-"""Drawn lines: brought to the kernels' size, and as a flow that runs along them (T082: the tangent of a field)."""
+"""Drawn lines: simplified to the kernels' size, and as flow fields along the line (T082: the tangent of a field)."""
 
 from typing import Final
 
@@ -15,11 +15,11 @@ Float64 = npt.NDArray[np.float64]
 GRID_ROWS: Final = 24
 GRID_COLUMNS: Final = 32
 REACH: Final = 1.0
-"""Metres from a drawn line within which the flow is the line's own; farther off it leads back to the line."""
+"""Distance [m] within which the flow follows the line; farther away it leads back to the line."""
 
 
 def corners_of(points: Points) -> Float32:
-    """At most 64 corners that stay as near as possible to the drawn points, shape (V, 2) (Douglas & Peucker 1973)."""
+    """Return at most 64 vertices that approximate the drawn points, shape (V, 2) (Douglas & Peucker 1973)."""
     corners: Float64 = np.array(points, np.float64)
     tolerance = 0.002
     while len(corners) > VERTEX_COUNT:
@@ -29,10 +29,10 @@ def corners_of(points: Points) -> Float32:
 
 
 def grid_along(points: Points, half_width: float, half_depth: float) -> Float32:
-    """A flow along a drawn line at the nodes of a grid over the stage, shape (24, 32, 2), lengths at most 1.
+    """Return the flow along a drawn line at the nodes of a grid over the stage, shape (24, 32, 2), lengths at most 1.
 
-    On the line it is the line's tangent; the farther from it, the more it leads towards it. Where the line crosses
-    itself the tangents of near pieces are mixed by their nearness.
+    On the line it is the tangent; with distance it increasingly leads towards the line. Where the line crosses itself
+    the tangents of near segments are blended by distance.
     """
     corners = corners_of(points).astype(np.float64)
     start, way = corners[:-1], np.diff(corners, axis=0)

@@ -1,4 +1,4 @@
-"""How an element's shape is seen from a place: distance and direction of point, line or region, and force laws."""
+"""Element shapes (point, line, region) as signed distance and direction, and force laws."""
 
 import math
 
@@ -31,9 +31,9 @@ UInt64 = npt.NDArray[np.uint64]
 
 
 INSET = 0.35
-"""Regions draw dancers in as far as this [m], so that nobody stops on the border."""
+"""Depth [m] to which regions attract dancers, so that they do not stop on the border."""
 
-# columns of what is nearest to an agent (A, 4)
+# columns of the nearest source of an agent (A, 4)
 NEAR_DISTANCE, NEAR_ROW, NEAR_X, NEAR_Z = 0, 1, 2, 3
 NEAR_COLUMNS = 4
 
@@ -54,9 +54,10 @@ def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
 
 @kernel("UniTuple(f8,3)(f8[:,::1],f4[:,:,::1],i8,f8,f8)")
 def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -> tuple[float, float, float]:
-    """Distance [m] of an element's shape from (x, z), negative inside of it, and the unit vector to its border.
+    """Return the signed distance [m] from (x, z) to an element's shape, negative inside, and the unit vector to its
+    border.
 
-    The vector is (0, 0) on a border or point itself, where every direction is as good.
+    The vector is (0, 0) on the border or point itself.
     """
     corners = int(table[row, CORNERS])
     radius = table[row, RADIUS]
@@ -73,10 +74,10 @@ def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -
         dx, dz = 0.0, 0.0
     else:
         dx, dz = dx / d, dz / d
-    if within:  # from the border of a polygon outwards, and over the radius around it
+    if within:  # the radius extends a polygon beyond its border
         return -d - radius, dx, dz
     d -= radius
-    if d < 0.0:  # in a disc, or a broad line: its border lies away from its middle
+    if d < 0.0:  # in a disc or a broad line the border lies away from its middle
         return d, -dx, -dz
     return d, dx, dz
 
@@ -85,22 +86,24 @@ def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -
 def attraction(
     d: float, to_x: float, to_z: float, inset: float, strength: float, decay: float
 ) -> tuple[float, float, float]:
-    """Wish towards a source at distance `d` [m], 1 - exp(-d / decay) (T105), and 1: it is asked.
+    """Return the velocity towards a source at distance `d` [m], 1 - exp(-d / decay) (T105), and influence 1.
 
-    Fast far away, slow as the agent arrives. A region draws her in until she is `inset` [m] inside; then she is free.
+    Fast far away, slow on arrival. A region attracts until the agent is `inset` [m] inside.
     """
     depth = d + inset
     if depth <= 0.0:
         return 0.0, 0.0, 1.0
     size = strength * (1.0 - math.exp(-depth / decay))
-    if d < 0.0:  # inside, the border lies behind her
+    if d < 0.0:  # inside, the border lies behind the agent
         return -size * to_x, -size * to_z, 1.0
     return size * to_x, size * to_z, 1.0
 
 
 @kernel("UniTuple(f8,3)(f8,f8,f8,f8,f8)")
 def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float) -> tuple[float, float, float]:
-    """Wish away from a source at distance `d` [m], exp(-d / decay) (T105); inside a region out of it. And its size."""
+    """Return the velocity away from a source at distance `d` [m], exp(-d / decay) (T105), out of a region if inside,
+    and its magnitude.
+    """
     if d <= 0.0:
         return strength * to_x, strength * to_z, 1.0
     size = strength * math.exp(-d / decay)
@@ -120,7 +123,7 @@ def next_source(
     after: float,
     after_row: int,
 ) -> tuple[float, int, float, float]:
-    """The nearest source of a kind beyond distance `after`: distance, row (-1: none) and the unit vector to it."""
+    """Return the nearest source of a kind beyond distance `after`: distance, row (-1: none) and unit vector to it."""
     best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
     for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
         row = int(active[k])
@@ -142,8 +145,8 @@ def next_source(
 def pulled(
     table: Float64, row: int, repels: bool, d: float, to_x: float, to_z: float, seed: int, agent: int
 ) -> tuple[float, float, float]:
-    """Wish and influence of one source at distance `d`, before its level."""
-    if to_x == 0.0 and to_z == 0.0:  # on the spot itself: let chance, seeded, choose
+    """Return velocity and influence of one source at distance `d`, before its level."""
+    if to_x == 0.0 and to_z == 0.0:  # on the spot itself: a seeded random direction
         angle = 2.0 * math.pi * hash_unit(seed, agent, 77)
         to_x, to_z = math.sin(angle), math.cos(angle)
     if repels:
@@ -168,9 +171,9 @@ def fading_sources(
     seed: int,
     agent: int,
 ) -> tuple[float, float, float]:
-    """Wish and influence where the nearest source fades in or out: the rest of its share goes to the next nearest.
+    """Return velocity and influence while the nearest source fades: the rest of its share goes to the next nearest.
 
-    So nothing jumps; four are asked at most.
+    This avoids jumps; at most four sources are used.
     """
     wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
     last, last_row = -1e30, -1
@@ -199,7 +202,7 @@ def measure_source(
     sums: Float64,
     near: Float64,
 ) -> None:
-    """Look at one source from all agents: where it is the nearest so far, it comes into near (A, 4)."""
+    """Update near (A, 4) of all agents with one source where it is the nearest so far."""
     x, z = table[row, X], table[row, Z]
     point = table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0
     mask = masks[row]
@@ -233,7 +236,7 @@ def nearest_sources(
     sums: Float64,
     near: Float64,
 ) -> None:
-    """Add each agent's wish by the nearest source of a kind alone (T106); near (A, 4) is scratch."""
+    """Add each agent's velocity from the nearest source of a kind only (T106); near (A, 4) is scratch."""
     seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
         near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0

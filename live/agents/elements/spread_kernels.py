@@ -1,11 +1,11 @@
-"""Spreading out (T109): dancers as like charges on a stage that is charged evenly against them.
+"""Even spreading (T109): dancers as equal charges on a stage with a uniform opposite charge.
 
 The thesis puts a repulsor into every over-populated cell of a grid and an attractor into every under-populated one.
-Cells cannot see an imbalance between their neighbours' neighbours, and what they even out is their own grid. Here the
-same idea has no cells that show: the population, smoothed by a Gaussian, minus its mean is the source of a potential
-(a Poisson equation on a mesh, solved exactly by cosines, so the stage edges reflect), whose gradient takes dancers
-from crowded places to empty ones however far away. What the Gaussian has smoothed away is given back by a repulsion
-between near neighbours, which keeps distances even (particle-particle particle-mesh after Hockney & Eastwood 1981).
+Cells cannot detect an imbalance beyond their neighbours, and the grid itself shows in the result. Here the population,
+smoothed by a Gaussian, minus its mean is the source of a potential (a Poisson equation on a mesh, solved exactly by
+cosines, so the stage edges reflect). Its gradient moves dancers from crowded to empty places at any distance. A
+repulsion between near neighbours restores the detail lost by smoothing and keeps distances even (particle-particle
+particle-mesh after Hockney & Eastwood 1981).
 """
 
 import math
@@ -20,20 +20,20 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 MESH = 64
-"""Mesh nodes along an axis at most."""
+"""Largest number of mesh nodes along an axis."""
 CELLS = 64
-"""Neighbour cells along an axis at most."""
+"""Largest number of neighbour cells along an axis."""
 PACE = 0.6
-"""Seconds in which an uneven population would even out if nobody's speed were limited."""
+"""Time constant [s] of evening out at unlimited speed."""
 SMOOTHING = 0.62
-"""Width of the Gaussian, as a share of the mean distance between dancers."""
+"""Width of the Gaussian as a share of the mean distance between dancers."""
 REACH = 2.6
-"""Neighbours repel each other within so many widths of the Gaussian."""
+"""Range of the neighbour repulsion in widths of the Gaussian."""
 
 
 @kernel("void(f4[:,:,:,::1])")
 def fill_cosines(cosines: Float32) -> None:
-    """cos(pi k (j + 1/2) / n) for n nodes into cosines[0, n, k, j] and, transposed, into cosines[1, n, j, k].
+    """Write cos(pi k (j + 1/2) / n) for n nodes into cosines[0, n, k, j] and, transposed, into cosines[1, n, j, k].
 
     cosines (2, MESH + 1, MESH, MESH).
     """
@@ -46,7 +46,7 @@ def fill_cosines(cosines: Float32) -> None:
 
 @kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],i8,i8,i8)")
 def product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns: int) -> None:
-    """The matrix product of the upper left corners of `a` (rows, inner) and `b` (inner, columns), into `out`."""
+    """Write the matrix product of the upper left corners of `a` (rows, inner) and `b` (inner, columns) into `out`."""
     for r in range(rows):
         for c in range(columns):
             out[r, c] = 0.0
@@ -58,10 +58,11 @@ def product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns
 
 @kernel("void(f4[:,:,::1],i8,i8,f4[:,:,:,::1],f8,f8,f8)")
 def solve(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step_z: float, s: float) -> None:
-    """The potential whose -laplace is mesh[0] (nz, nx), with reflecting edges, smoothed by a Gaussian of `s` [m].
+    """Solve for the potential whose -laplace is mesh[0] (nz, nx), with reflecting edges, smoothed by a Gaussian of `s`
+    [m].
 
-    In place: into cosines along both axes, each divided by its squared wave number, and back. mesh[1] and mesh[2] are
-    overwritten.
+    In place: cosine transform along both axes, divide by the squared wave number, inverse transform. mesh[1] and
+    mesh[2] are overwritten.
     """
     product(mesh[1], mesh[0], cosines[1, nx], nz, nx, nx)
     product(mesh[2], cosines[0, nz], mesh[1], nz, nz, nx)
@@ -78,7 +79,7 @@ def solve(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step
 
 @kernel("UniTuple(f8,3)(f8,f8,i8)")
 def node_of(place: float, step: float, nodes: int) -> tuple[float, float, float]:
-    """The nodes on both sides of a place (from the edge, [m]) and how far it lies from the first to the second."""
+    """Return the nodes on both sides of a position (from the edge, [m]) and the fraction between them."""
     u = place / step - 0.5
     low = math.floor(u)
     return float(min(max(low, 0), nodes - 1)), float(min(max(low + 1, 0), nodes - 1)), u - low
@@ -98,7 +99,7 @@ def deposit(
     members: int,
     scale: float,
 ) -> None:
-    """Population minus its mean onto mesh[0] (nz, nx), shared out between nodes; `scale`: what one dancer adds."""
+    """Distribute population minus its mean onto mesh[0] (nz, nx), bilinearly; `scale` is the amount of one dancer."""
     mean = scale * members / (nx * nz)
     for r in range(nz):
         for c in range(nx):
@@ -116,7 +117,9 @@ def deposit(
 
 @kernel("void(f4[:,:,::1],i8,i8,f8,f8)")
 def slope(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None:
-    """Downhill slope of the potential mesh[0] into mesh[1] (along x) and mesh[2] (along z); level at the edges."""
+    """Write the downhill gradient of the potential mesh[0] into mesh[1] (along x) and mesh[2] (along z); zero at the
+    edges.
+    """
     for r in range(nz):
         above, below = max(r - 1, 0), min(r + 1, nz - 1)
         for c in range(nx):
@@ -127,11 +130,11 @@ def slope(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None
 
 @kernel("UniTuple(f8,2)(f4[:,:,::1],i8,i8,f8,f8,f8,f8)")
 def slope_at(mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float, step_z: float) -> tuple[float, float]:
-    """The slope at a place (from the left and back edge, [m]), bilinear; mirrored beyond the edges."""
+    """Return the gradient at a position (from the left and back edge, [m]), bilinear; mirrored beyond the edges."""
     c0, c1, u = node_of(x, step_x, nx)
     r0, r1, v = node_of(z, step_z, nz)
     a, b, e, f = int(c0), int(c1), int(r0), int(r1)
-    # between the outermost nodes and the edge the slope towards it falls to nothing
+    # between the outermost nodes and the edge the slope towards the edge falls to zero
     edge_x = min(max(min(x, nx * step_x - x) / (0.5 * step_x), 0.0), 1.0)
     edge_z = min(max(min(z, nz * step_z - z) / (0.5 * step_z), 0.0), 1.0)
     gx = (mesh[1, e, a] * (1.0 - u) + mesh[1, e, b] * u) * (1.0 - v) + (
@@ -145,7 +148,7 @@ def slope_at(mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float,
 
 @kernel("i8(f8,f8,i8)")
 def cell_along(place: float, size: float, cells: int) -> int:
-    """Cell of a place (from the edge, [m]) along one axis; places beyond the edges belong to the outermost cells."""
+    """Return the cell of a position (from the edge, [m]) along one axis, clamped to the outermost cells."""
     return int(min(max(math.floor(place / size), 0), cells - 1))
 
 
@@ -163,7 +166,7 @@ def sort_members(
     start: Int32,
     order: Int32,
 ) -> None:
-    """Counting sort: members of cell c are order[start[c]:start[c + 1]], in the order of their numbers."""
+    """Counting sort: members of cell c are order[start[c]:start[c + 1]], in index order."""
     for c in range(columns * rows + 1):
         start[c] = 0
     for k in range(members):
@@ -185,7 +188,7 @@ def sort_members(
 
 @kernel("f8(f8,f8)")
 def push(d: float, reach: float) -> float:
-    """Repulsion of a neighbour at `d` [m]: what the smoothing took from 1 / d, nothing from `reach` [m] on."""
+    """Return the repulsion of a neighbour at `d` [m]: the part of 1 / d lost by smoothing; zero from `reach` [m] on."""
     if d >= reach:
         return 0.0
     t = d / reach
@@ -204,9 +207,9 @@ def spread(
     order: Int32,
     wish: Float64,
 ) -> None:
-    """The velocity [m/s] in which each member of a group spreads over an area, into wish (A, 2) (T109).
+    """Write the velocity [m/s] with which each member of a group spreads over an area into wish (A, 2) (T109).
 
-    position (A, 2) [m]; member: the agents who spread, the first `members` count; area: left, right, back, front [m];
+    position (A, 2) [m]; member: the spreading agents, the first `members` count; area: left, right, back, front [m];
     mesh (3, MESH, MESH), cosines, start (CELLS² + 1,), order (A,): scratch.
     """
     left, right, back, front = area[0], area[1], area[2], area[3]
@@ -216,7 +219,7 @@ def spread(
     nx = int(min(max(math.ceil(width / s), 2), MESH))
     nz = int(min(max(math.ceil(depth / s), 2), MESH))
     step_x, step_z = width / nx, depth / nz
-    # in units in which an even population is 1: a dancer is an area, a mesh cell has one, too
+    # units in which an even population is 1: the area per dancer over the area of a mesh cell
     share = width * depth / max(members, 1)
     deposit(mesh, nx, nz, left, back, step_x, step_z, position, member, members, share / (step_x * step_z))
     solve(mesh, nx, nz, cosines, step_x, step_z, s)
@@ -243,7 +246,7 @@ def spread(
                         f = push(d, reach) / max(d, 1e-6)
                         px += f * dx
                         pz += f * dz
-        # her own images in the edges: without them the outermost would stand on the edge itself
+        # the agent's mirror images: without them the outermost dancers would stand on the edge itself
         px += push(2.0 * max(x - left, 0.0), reach) - push(2.0 * max(right - x, 0.0), reach)
         pz += push(2.0 * max(z - back, 0.0), reach) - push(2.0 * max(front - z, 0.0), reach)
         near = share / (2.0 * math.pi)

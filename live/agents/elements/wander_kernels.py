@@ -1,4 +1,4 @@
-"""Paths, and going on by oneself: wandering, in a flock, and while spreading (T082, T109)."""
+"""Path following and undirected motion: wandering, flocking and the residual wander while spreading (T082, T109)."""
 
 import math
 
@@ -33,9 +33,9 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 PATH_WIDTH = 0.3
-"""Half the width [m] of a path whose element says none."""
+"""Default half width of a path [m]."""
 SPREADING_WANDER = 0.4
-"""Share of the top speed that wandering takes while dancers spread (T109): even, and never quite at rest."""
+"""Share of the top speed used for wandering while dancers spread (T109), so that they never fully rest."""
 
 
 @kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
@@ -51,7 +51,7 @@ def follow_paths(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who follow the newest path that addresses them."""
+    """Add the velocity of dancers that follow the newest path that addresses them."""
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:
             continue
@@ -86,7 +86,7 @@ def spread_out(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who spread: each evenly among all of the newest spreader that addresses her."""
+    """Add the velocity of spreading dancers, each even among all dancers of the same newest spreader."""
     for k in range(ROWS + active[SPREADER], ROWS + active[SPREADER + 1]):
         row = active[k]
         members = 0
@@ -100,7 +100,7 @@ def spread_out(
         for n in range(members):
             i = order[0, n]
             fx, fz = wish[i, 0], wish[i, 1]
-            # in m/s; as a share of the top speed it is 1 at most
+            # from m/s to a fraction of the top speed, at most 1
             size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
             size /= max(math.sqrt(fx * fx + fz * fz), wants[i, SPEED], 1e-6)
             take(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
@@ -117,7 +117,7 @@ def drift(
     numbers: Float64,
     sums: Float64,
 ) -> None:
-    """Add the wish of those who go on by themselves: wandering, in a flock, or (a little) while they spread."""
+    """Add the wander velocity of wandering, flocking and (reduced) spreading dancers."""
     seed, half_width, half_depth = int(numbers[SEED]), numbers[HALF_WIDTH], numbers[HALF_DEPTH]
     for i in range(position.shape[0]):
         if sums[i, HEARD] <= 0.0:

@@ -1,1 +1,1 @@
-"""Entrances bring agents onto the stage and off it, through gates and wings. It may import what `agents` may."""
+"""Entrances and exits of agents through gates and wings. This package may import what `agents` may."""

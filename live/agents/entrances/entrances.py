@@ -1,4 +1,4 @@
-"""Entrances: who is on the stage, who comes and who goes; they come and go at measure lines."""
+"""Entrances and exits: the presence state of every dancer; changes begin at measure lines."""
 
 import math
 from typing import Final
@@ -17,37 +17,37 @@ Int8 = npt.NDArray[np.int8]
 Rows = npt.NDArray[np.intp]
 
 WAITING, CALLED, ENTERING, ON, LEAVING = range(5)
-"""In the wings; will come at the next measure line; on her way in; on the stage; on her way out."""
+"""In the wings; enters at the next measure line; on the way in; on the stage; on the way out."""
 NEAR: Final = 0.35
-"""An entering dancer has arrived within this distance of her place [m]."""
+"""An entering dancer has arrived within this distance of the goal [m]."""
 _PRESENCE: Final = np.array([ABSENT, ABSENT, PASSING, ON_STAGE, PASSING], np.float32)
 ARRIVAL_S: Final = 0.8
-"""Seconds of way that remain when she begins to slow down."""
+"""Remaining travel time [s] at which a dancer begins to slow down."""
 CANDIDATES: Final = 48
-"""Places tried for each who enters."""
+"""Candidate places per entering dancer."""
 
 
 class Entrances:
-    """The presence of A dancers. Nothing here is random: open places are found among fixed candidates."""
+    """Presence of A dancers. Deterministic: free places are chosen among fixed candidates."""
 
     def __init__(self, agent_count: int, on_stage: int, gates: tuple[Gate, ...], size: tuple[float, float]) -> None:
-        """The first `on_stage` dancers are there from the beginning; `size`: half width and half depth [m]."""
+        """The first `on_stage` dancers start on the stage; `size`: half width and half depth [m]."""
         self.gates = gates
         self.state: Int8 = np.full(agent_count, WAITING, np.int8)
         self.state[:on_stage] = ON
         self.goal: Float32 = np.zeros((agent_count, 2), np.float32)
-        """Where those who enter or leave go [m], shape (A, 2)."""
+        """Goals of entering and leaving dancers [m], shape (A, 2)."""
         self._gate = np.zeros(agent_count, np.int32)
         self._size = size
-        self._beyond = np.tile(np.array(size, np.float32), (agent_count, 1))  # of those who leave
+        self._beyond = np.tile(np.array(size, np.float32), (agent_count, 1))  # of leaving dancers
 
     def resize(self, gates: tuple[Gate, ...], size: tuple[float, float]) -> None:
-        """The stage's half sizes [m] and its gates, in the same order, are these from now on.
+        """Set the stage's half sizes [m] and its gates, in the same order.
 
-        Who is on her way out goes to where she was going, who is on her way in no farther than the new edge lets her.
+        Leaving dancers keep their goals; the goals of entering dancers are clamped to the new edges.
         """
         if len(gates) != len(self.gates):
-            raise ValueError("a stage keeps its gates")
+            raise ValueError("the number of gates must not change")
         self.gates, self._size = gates, size
         rows = self.state == ENTERING
         edge = np.maximum(np.array(size, np.float32) - np.float32(0.8), np.float32(0.5) * np.array(size, np.float32))
@@ -55,27 +55,27 @@ class Entrances:
 
     @property
     def present(self) -> Bool:
-        """Who can be seen, shape (A,)."""
+        """Whether each dancer is visible, shape (A,)."""
         return np.asarray(self.state >= ENTERING)
 
     @property
     def staying(self) -> Bool:
-        """Who is on the stage or on her way in, shape (A,)."""
+        """Whether each dancer is on the stage or on the way in, shape (A,)."""
         return np.asarray((self.state == ENTERING) | (self.state == ON))
 
     @property
     def passing(self) -> Bool:
-        """Who is on the way in or out, shape (A,)."""
+        """Whether each dancer is on the way in or out, shape (A,)."""
         return np.asarray((self.state == ENTERING) | (self.state == LEAVING))
 
     def gate_named(self, name: str) -> int | None:
-        """Index of a gate, None if there is none of that name."""
+        """Return the index of a gate, or None if there is none of that name."""
         return next((i for i, gate in enumerate(self.gates) if gate.name.casefold() == name.casefold()), None)
 
     def call(self, count: int, gate: int | None) -> Rows:
-        """Let at most `count` of those who wait come at the next measure line; `gate` None: they share out the gates.
+        """Let at most `count` waiting dancers enter at the next measure line; `gate` None: spread over all gates.
 
-        Returns who comes; fewer than asked if fewer wait.
+        Return their indices; fewer than `count` if fewer wait.
         """
         rows = np.flatnonzero(self.state == WAITING)[:count]
         self.state[rows] = CALLED
@@ -83,7 +83,7 @@ class Entrances:
         return rows
 
     def send_off(self, who: Bool, gate: int | None, position: Float32) -> int:
-        """Let the dancers `who` (A,) leave, each through `gate` or (None) the one nearest to her; how many go."""
+        """Let the dancers `who` (A,) leave through `gate` or (None) the gate nearest to each; return how many leave."""
         self.state[who & (self.state == CALLED)] = WAITING
         rows = np.flatnonzero(who & ((self.state == ON) | (self.state == ENTERING)))
         for row in rows:
@@ -97,9 +97,9 @@ class Entrances:
         return len(rows)
 
     def cross_measure_line(self, position: Float32) -> Rows:
-        """Those called begin to enter, those who are out are gone; returns who entered.
+        """Start the called entrances and finish completed exits; return the indices of the entering dancers.
 
-        `position` (A, 2) [m] of the agents: those who entered are put where they wait, all others are read only.
+        `position` (A, 2) [m] of the agents: entering ones are moved to their waiting places, the others are only read.
         """
         if any_in(self.state, LEAVING):
             self.state[(self.state == LEAVING) & self._outside(position)] = WAITING
@@ -111,11 +111,11 @@ class Entrances:
             position[through] = gate.places(len(through))
         for row in rows.tolist():
             self.goal[row] = self._open_place(row, position)
-            self.state[row] = ENTERING  # from now on her goal is taken, too
+            self.state[row] = ENTERING  # from now on this goal counts as taken, too
         return rows
 
     def settle(self, position: Float32) -> None:
-        """Who has arrived at her place is on the stage from now on; agents at `position` (A, 2) [m]."""
+        """Mark entering dancers that have reached their goals as on the stage; agents at `position` (A, 2) [m]."""
         if not any_in(self.state, ENTERING):
             return
         rows = np.flatnonzero(self.state == ENTERING)
@@ -124,7 +124,7 @@ class Entrances:
         self.state[rows[inside & (np.hypot(*way.T) < NEAR)]] = ON
 
     def write(self, wants: Wants, position: Float32) -> None:
-        """Presence of everybody, and the way of those who enter or leave (arrive, T082), into `wants`."""
+        """Write the presence of all dancers and the motion of entering and leaving ones (arrive, T082) into `wants`."""
         if not write_presence(wants.rows, self.state, _PRESENCE, PASSING):
             return
         rows = np.flatnonzero(wants.presence == PASSING)
@@ -138,7 +138,7 @@ class Entrances:
         return np.asarray((np.abs(position) > self._beyond).any(axis=1))
 
     def _open_place(self, row: int, position: Float32) -> tuple[float, float]:
-        """The most open place of the stage, nearer ones first: not closer than needed to anybody's place or goal."""
+        """Return the candidate with the most free space, preferring nearer ones; positions and goals count as taken."""
         taken = np.concatenate([position[self.state == ON], self.goal[self.state == ENTERING]])
         index = np.arange(1, CANDIDATES + 1)
         halton = np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], 1)
@@ -146,13 +146,13 @@ class Entrances:
         room = np.full(CANDIDATES, 4.0)
         if len(taken):
             away = np.hypot(*(places[:, None] - taken[None]).transpose(2, 0, 1)).min(axis=1)
-            room = np.minimum(away, 1.5)  # more room than that makes no difference: then the nearer place is better
+            room = np.minimum(away, 1.5)  # beyond this the nearer place is better
         best = places[np.argmax(room - 0.05 * np.hypot(*(places - position[row]).T))]
         return float(best[0]), float(best[1])
 
 
 def _radical_inverse(index: npt.NDArray[np.int64], base: int) -> Float64:
-    """Halton's sequence in one dimension: the digits of `index` mirrored at the point."""
+    """Return the Halton sequence in one dimension: the digits of `index` mirrored at the radix point."""
     left, share, value = index.copy(), 1.0 / base, np.zeros(len(index))
     while left.any():
         value += (left % base) * share

@@ -1,4 +1,4 @@
-"""Gate: an opening in the stage's edge through which dancers come and go."""
+"""Gates: openings in the stage's edge through which dancers enter and leave."""
 
 import math
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 
 OUTSIDE: Final = 0.7
-"""How far outside the edge the first dancer waits [m]: nobody sees half of her."""
+"""Distance [m] outside the edge at which the first dancer waits, out of sight."""
 APART: Final = 0.8
-"""Between dancers who wait behind one another, or side by side [m]."""
+"""Distance [m] of waiting dancers within and between rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Gate:
 
     @staticmethod
     def at_edge(name: str, at: tuple[float, float], width: float, *, half_width: float, half_depth: float) -> "Gate":
-        """The gate at the place of the stage's edge nearest to `at` [m], never wider than that edge.
+        """Return the gate at the point of the stage's edge nearest to `at` [m], no wider than that edge.
 
         ValueError if `at` or `width` is not finite or the width is not above zero.
         """
@@ -44,7 +44,7 @@ class Gate:
         return Gate(name, min(max(x, -room), room), side * half_depth, width, 0.0, side)
 
     def places(self, count: int) -> Float64:
-        """Where `count` dancers wait outside, rows behind rows, the first ones nearest to the stage, (count, 2) [m]."""
+        """Return waiting places outside for `count` dancers, in rows from the stage outwards, (count, 2) [m]."""
         across = max(1, math.floor(self.width / APART))
         row, column = np.divmod(np.arange(count), across)
         in_row = np.minimum(count - row * across, across)
@@ -55,12 +55,12 @@ class Gate:
         )
 
     def inside(self, metres: float) -> tuple[float, float]:
-        """The place so far inside the stage, straight in from the gate's middle [m]."""
+        """Return the place `metres` [m] inside the stage, straight in from the gate's middle."""
         return self.x - self.out_x * metres, self.z - self.out_z * metres
 
 
 def wings(half_width: float, half_depth: float) -> tuple[Gate, ...]:
-    """The gates of a stage that names none: left, right (as the audience sees it) and back, each half an edge wide."""
+    """Return the default gates: left, right (as the audience sees it) and back, each half an edge wide."""
     return tuple(
         Gate.at_edge(name, at, width, half_width=half_width, half_depth=half_depth)
         for name, at, width in (

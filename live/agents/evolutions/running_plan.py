@@ -75,7 +75,7 @@ class Plan:
         for segment in segments:
             self.add(segment)
 
-    # what is planned
+    # planning
 
     @property
     def segments(self) -> tuple[Segment, ...]:
@@ -259,7 +259,7 @@ class Plan:
         """The segments that have begun and still control a dancer, in order of precedence."""
         return tuple(self._motions)
 
-    # how it is done
+    # implementation
 
     def _fill(self, beat: float, out: Setting, ahead: bool) -> Setting:
         out.under[:] = 0

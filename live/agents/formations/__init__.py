@@ -1,1 +1,1 @@
-"""Formations are shapes on the floor and the places of dancers in them. It may import what `agents` may."""
+"""Formations: shapes on the floor and the places of dancers in them. This package may import what `agents` may."""

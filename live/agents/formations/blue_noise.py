@@ -1,4 +1,4 @@
-"""Dancers scattered or evenly spread inside a region: blue noise and Lloyd's method, exact counts (T091, T144)."""
+"""Placement inside a region with exact counts: blue noise, or even spacing by Lloyd's method (T091, T144)."""
 
 import math
 from collections.abc import Callable
@@ -15,19 +15,19 @@ Float64 = npt.NDArray[np.float64]
 Density = Callable[[Float64], Float64]
 
 CANDIDATES: Final = 5
-"""Points from which one dancer's place is chosen (Yuksel 2015 takes five)."""
+"""Candidate points per dancer (Yuksel 2015 uses five)."""
 FEWEST_CANDIDATES: Final = 100
 GROUND: Final = 10
 FEWEST_GROUND: Final = 1000
 ROUNDS: Final = 16
 STRIDE: Final = 1.8
-"""How far beyond the middle of her ground each goes: fewer rounds, the same end."""
+"""Over-relaxation of Lloyd's method: fewer rounds, same result."""
 
 
 def scatter(region: Any, count: int, seed: int, *, density: Density | None = None, even: bool = False) -> Float64:
-    """`count` places in a region, shape (count, 2): Poisson disk by sample elimination, or evenly with `even`.
+    """Return `count` places in a region, shape (count, 2): Poisson disk by sample elimination, or evenly with `even`.
 
-    `density` tells how dense they are to be at points (K, 2). The same seed gives the same places.
+    `density` returns the relative density at points (K, 2). The same seed gives the same places.
     """
     return _scatter(region, count, float(region.area), seed, density, even, None, np.zeros((0, 2)))
 
@@ -35,7 +35,9 @@ def scatter(region: Any, count: int, seed: int, *, density: Density | None = Non
 def scatter_mirrored(
     half: Any, line: SymmetryLine, count: int, seed: int, *, density: Density | None = None, even: bool = False
 ) -> Float64:
-    """`count` places, symmetrical about `line`, in a half region and its reflection; an odd one is on the line."""
+    """Return `count` places, symmetrical about `line`, in a half region and its reflection; an odd one lies on the
+    line.
+    """
     middle = np.zeros((0, 2))
     if count % 2:
         middle = middle_of_line(half, line)[None]
@@ -44,7 +46,10 @@ def scatter_mirrored(
 
 
 def middle_of_line(half: Any, line: SymmetryLine) -> Float64:
-    """The middle of the longest part of the symmetry line in the region; beside it if no part is, shape (2,)."""
+    """Return the middle of the longest part of the symmetry line in the region, shape (2,).
+
+    If no part of the line is in the region, return the region's centre projected onto the line.
+    """
     low_x, low_z, high_x, high_z = half.bounds
     far = math.hypot(high_x - low_x, high_z - low_z)
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
@@ -59,7 +64,7 @@ def middle_of_line(half: Any, line: SymmetryLine) -> Float64:
 
 
 def hexagonal_spacing(area: float, count: int) -> float:
-    """Distance of neighbours if `count` dancers stood on a hexagonal lattice [m]: nobody can be farther apart."""
+    """Return the neighbour distance [m] of `count` dancers on a hexagonal lattice, the largest possible."""
     return math.sqrt(2.0 * area / (math.sqrt(3.0) * max(count, 1)))
 
 
@@ -73,7 +78,7 @@ def _scatter(
     line: SymmetryLine | None,
     fixed: Float64,
 ) -> Float64:
-    """`count` places in `region`; `area` [m²] is that of all dancers together, reflected ones too."""
+    """Return `count` places in `region`; `area` [m²] is that of all dancers, reflected ones included."""
     if count == 0:
         return np.zeros((0, 2))
     chance = np.random.default_rng(seed)
@@ -96,7 +101,7 @@ def _scatter(
 
 
 def _uniform(region: Any, number: int, chance: np.random.Generator) -> Float64:
-    """`number` points, evenly likely everywhere in the region, however thin it is, shape (number, 2)."""
+    """Return `number` points, uniform over the region, however thin it is, shape (number, 2)."""
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(region))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     share = np.cumsum(shapely.area(triangles))
@@ -110,7 +115,7 @@ def _uniform(region: Any, number: int, chance: np.random.Generator) -> Float64:
 def _evened(
     region: Any, places: Float64, fixed: Float64, density: Density | None, chance: np.random.Generator
 ) -> Float64:
-    """The places moved until each has about the same share of the ground; those led outside go to their own ground."""
+    """Relax the places until each has about the same share of the region; those that end outside move back in."""
     ground = np.ascontiguousarray(_ground(region, max(GROUND * len(places), FEWEST_GROUND), chance))
     dense = np.ones(len(ground)) if density is None else np.ascontiguousarray(density(ground))
     sites = np.concatenate([places, fixed])
@@ -125,7 +130,7 @@ def _evened(
 
 
 def _ground(region: Any, number: int, chance: np.random.Generator) -> Float64:
-    """About `number` points all over the region: a fine grid, or by chance where the region is thinner than that."""
+    """Return about `number` points all over the region: a fine grid, or random points where the region is too thin."""
     low_x, low_z, high_x, high_z = region.bounds
     pitch = math.sqrt(region.area / number)
     columns, rows = math.ceil((high_x - low_x) / pitch), math.ceil((high_z - low_z) / pitch)

@@ -1,4 +1,4 @@
-"""Blue noise with an exact number of dancers, and even spreading: the compiled loops (T091, T144)."""
+"""Kernels for blue noise with an exact count, even spacing and lattice rows (T091, T144)."""
 
 import math
 
@@ -13,7 +13,7 @@ Int64 = npt.NDArray[np.int64]
 
 @part
 def crowding(ax: float, az: float, bx: float, bz: float, scale: float, least: float, reach: float) -> float:
-    """What a neighbour at b weighs for a dancer at a: (1 - d / reach)^8, 0 beyond `reach`."""
+    """Return the weight of a neighbour at b for a dancer at a: (1 - d / reach)^8, 0 beyond `reach`."""
     dx = ax - bx
     dz = az - bz
     squared = (dx * dx + dz * dz) * scale * scale
@@ -36,12 +36,12 @@ def eliminate(
     least: float,
     weight: Float64,
 ) -> None:
-    """Take away the most crowded of `points` (M, 2) until `keep` are left (Yuksel 2015, weighted sample elimination).
+    """Remove the most crowded of `points` (M, 2) until `keep` are left (Yuksel 2015, weighted sample elimination).
 
-    `reflected` (M, 2) or (0, 2): the points' mirror images, which crowd them too; `fixed` (F, 2): places that stay.
-    Distances are multiplied by `scale` (M,), larger where dancers are denser. Neighbours weigh as `crowding` says,
-    those nearer than `least` [m] as if they were there; her own image and fixed places weigh eight times as much.
-    `weight` (M,) is scratch; afterwards it is negative for points that are gone.
+    `reflected` (M, 2) or (0, 2): mirror images of the points, which count as neighbours; `fixed` (F, 2): places that
+    stay. Distances are multiplied by `scale` (M,), larger where dancers are denser. Neighbours are weighted by
+    `crowding`, with distances clamped to at least `least` [m]; a point's own image and fixed places weigh eight times
+    as much. `weight` (M,) is scratch; afterwards it is negative for removed points.
     """
     count = points.shape[0]
     mirrored = reflected.shape[0] == count
@@ -87,11 +87,11 @@ def even_out(
     sums: Float64,
     nearest: Int64,
 ) -> None:
-    """Lloyd's method: each of the first `movable` of `sites` (S, 2) goes to the middle of the ground nearest to it.
+    """Lloyd's method: move each of the first `movable` of `sites` (S, 2) to the centroid of its nearest ground points.
 
-    `ground` (G, 2): points spread over the region, each counting `density` (G,). `stride` 1 goes just there, up to 2
-    goes on, which needs fewer rounds. `sums` (S, 3) is scratch; `nearest` (G,) holds the number of each ground
-    point's site, as it was before the last move.
+    `ground` (G, 2): points over the region, each with weight `density` (G,). `stride` 1 moves to the centroid, up to 2
+    overshoots and needs fewer rounds. `sums` (S, 3) is scratch; `nearest` (G,) receives the site of each ground point
+    before the last move.
     """
     for _ in range(rounds):
         for s in range(sites.shape[0]):
@@ -122,9 +122,10 @@ def even_out(
 def fill_rows(
     edges: Float64, bounds: Float64, step: float, drop: float, x0: float, z0: float, crossings: Float64, out: Float64
 ) -> int:
-    """How many points (x0 + i step, z0 + j drop) lie in a polygon, and the first of them in `out`; front rows first.
+    """Count the points (x0 + i step, z0 + j drop) in a polygon and write the first of them into `out`, front rows
+    first.
 
-    `edges` (E, 4): x, z of both ends of all sides, holes too (even-odd), around about (0, 0). `bounds`: least and
+    `edges` (E, 4): x, z of both ends of all sides, holes included (even-odd), around (0, 0). `bounds`: least and
     greatest z. Points on the border count. `crossings` (E,) is scratch; `out` (K, 2) may be shorter than the result.
     """
     found = 0
@@ -133,7 +134,7 @@ def fill_rows(
     while row >= last:
         z = z0 + row * drop
         row -= 1
-        at = z - 1e-9 if z > 0.0 else z + 1e-9  # a row on the border is inside
+        at = z - 1e-9 if z > 0.0 else z + 1e-9  # a row on the border counts as inside
         hits = 0
         for e in range(edges.shape[0]):
             if (edges[e, 1] > at) != (edges[e, 3] > at):
@@ -147,7 +148,9 @@ def fill_rows(
                 hits += 1
         before = -(1 << 60)
         for h in range(0, hits - 1, 2):
-            first = max(math.ceil((crossings[h] - x0) / step - 1e-9), before + 1)  # parts that touch share no point
+            first = max(
+                math.ceil((crossings[h] - x0) / step - 1e-9), before + 1
+            )  # touching intervals must not count a point twice
             end = math.floor((crossings[h + 1] - x0) / step + 1e-9)
             for i in range(first, end + 1):
                 if found < out.shape[0]:

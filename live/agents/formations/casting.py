@@ -1,8 +1,7 @@
-"""Soloists: in front of the others, or in the middle, where the others make room (T093).
+"""Soloists, sections and headings of a formation.
 
-Sections kept together: dancers of one section get neighbouring places (T090, T104).
-
-Where dancers of a formation face (T090, T102): the public, the middle, outwards, along the line, or an angle.
+Soloists stand in front of the others or in the middle (T093). Dancers of one section get neighbouring places (T090,
+T104). Headings: the public, the middle, outwards, along the line, or an angle (T090, T102).
 """
 
 import math
@@ -22,7 +21,7 @@ Float64 = npt.NDArray[np.float64]
 
 
 def soloist_places(spec: FormationSpec, drawing: Drawing, others: Float64) -> Float64:
-    """Where the soloists stand, shape (K, 2): side by side in front of all `others` (S, 2), or around the middle."""
+    """Return the soloists' places, shape (K, 2): side by side in front of all `others` (S, 2), or around the middle."""
     gap, number = spec.soloist_gap, spec.soloists
     if spec.soloist_place == "centre":
         return _around(drawing.middle, number, gap)
@@ -40,7 +39,7 @@ def _around(middle: tuple[float, float], number: int, gap: float) -> Float64:
 
 
 def make_room(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Drawing:
-    """The drawing without what lies nearer to soloists in the middle than their gap.
+    """Return the drawing without the parts closer to central soloists than their gap.
 
     PersonError if nothing is left for the others.
     """
@@ -73,7 +72,7 @@ Int64 = npt.NDArray[np.int64]
 
 
 def section_sizes(wished: tuple[int, ...], count: int) -> list[int]:
-    """Sizes of sections that together are `count`: as wished, or in the same proportions."""
+    """Return section sizes with the sum `count`: as `wished`, or in the same proportions."""
     if sum(wished) == count:
         return list(wished)
     sizes = np.array(wished, np.float64)
@@ -81,14 +80,14 @@ def section_sizes(wished: tuple[int, ...], count: int) -> list[int]:
 
 
 def sections_along(sizes: list[int]) -> Int64:
-    """Section (from 0) of each place, in the order along the lines, shape (sum of sizes,)."""
+    """Return the section (from 0) of each place, in the order along the lines, shape (sum of sizes,)."""
     return np.repeat(np.arange(len(sizes), dtype=np.int64), sizes)
 
 
 def sections_in_area(places: Float64, sizes: list[int]) -> Int64:
-    """Section (from 0) of each of the places (S, 2): the area is halved across its longer side again and again.
+    """Return the section (from 0) of each of the places (S, 2) by repeatedly halving the area across its longer side.
 
-    Sections come from left to right, then from front to back, in their order.
+    Sections are ordered from left to right, then from front to back.
     """
     section = np.zeros(len(places), np.int64)
     _halve(places, np.arange(len(places)), sizes, 0, section)
@@ -111,10 +110,10 @@ def _halve(places: Float64, members: Int64, sizes: list[int], first: int, sectio
 def headings(
     spec: FormationSpec, places: Float64, ways: Float64 | None, middle: Float64, curves: Sequence[Curve]
 ) -> Float64:
-    """Heading of each of the places (S, 2) [rad], in [-π, π), shape (S,).
+    """Return the heading of each of the places (S, 2) [rad], in [-π, π), shape (S,).
 
-    `ways` (S, 2) are unit vectors along the lines, None for dancers inside: they face along the nearest line.
-    Who stands in the very middle faces the public.
+    `ways` (S, 2) are unit vectors along the lines, None for dancers inside: they face along the nearest line. A dancer
+    at the exact middle faces the public.
     """
     if spec.heading == "public" or not len(places):
         return np.zeros(len(places))
@@ -133,7 +132,7 @@ def _wrapped(angle: Float64) -> Float64:
 
 
 def _nearest_ways(places: Float64, curves: Sequence[Curve]) -> Float64:
-    """Unit vectors along the line nearest to each of the places, shape (S, 2)."""
+    """Return unit vectors along the line nearest to each of the places, shape (S, 2)."""
     points = shapely.points(places)
     drawn = np.array([shapely.LineString(curve.points) for curve in curves])
     nearest = np.argmin([shapely.distance(line, points) for line in drawn], axis=0)

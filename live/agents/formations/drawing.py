@@ -1,7 +1,4 @@
-"""A shape on the stage: its lines in metres, and the region that closed ones enclose (T090).
-
-A line on the floor, measured along its way, on which dancers can be placed (T090).
-"""
+"""A formation's shape on the stage: lines in metres, measured along their length, and the enclosed region (T090)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,46 +15,46 @@ from live.agents.formations.shapes import Line, shape_lines
 Float64 = npt.NDArray[np.float64]
 
 CORNER: Final = math.radians(28.0)
-"""A line that turns more than this in one point has a corner there."""
+"""A turn above this angle at a point is a corner."""
 
 FREE: Final = 0.0
-"""Gap, in spacings, between the end of a line and its first dancer: she stands on the end."""
+"""Gap, in spacings, between the end of a line and its first dancer: the dancer stands on the end."""
 HALF: Final = 0.5
-"""The end lies on a symmetry line: the reflected dancer is a whole spacing away."""
+"""The end lies on a symmetry line: the reflected dancer is one spacing away."""
 MEETS: Final = 0.75
-"""The end lies on another line, whose dancers keep the place."""
+"""The end lies on another line, whose dancers use the place."""
 SHARED: Final = 1.0
-"""The end lies where a dancer stands already."""
+"""The end is already occupied by a dancer."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """A line of P points; `at` says how far along it each is, in metres, or in mass where dancers are weighted."""
+    """A line of P points; `at` is the position along it, in metres, or in mass for weighted spacing."""
 
     points: Float64
-    """Shape (P, 2) [m]; a closed line ends in its first point."""
+    """Shape (P, 2) [m]; a closed line repeats its first point at the end."""
     at: Float64
-    """Shape (P,), growing from 0."""
+    """Shape (P,), ascending from 0."""
     closed: bool
     corners: tuple[float, ...] = ()
-    """Where along it the corners are, in units of `at`; ends of open lines are none."""
+    """Positions of the corners in units of `at`; ends of open lines are not corners."""
     gaps: tuple[float, float] = (FREE, FREE)
     """FREE, HALF, MEETS or SHARED, for both ends of an open line."""
     marked: bool = True
-    """Whether its corners may be places that are taken first."""
+    """Whether its corners may be filled first."""
 
     @property
     def length(self) -> float:
-        """The whole way, in units of `at`."""
+        """Total length in units of `at`."""
         return float(self.at[-1])
 
     def place(self, at: Float64) -> Float64:
-        """Points at `at` (K,), shape (K, 2); a closed line goes on at its start."""
+        """Return the points at `at` (K,), shape (K, 2); a closed line wraps around."""
         at = np.mod(at, self.length) if self.closed and self.length > 0 else at
         return np.stack([np.interp(at, self.at, self.points[:, 0]), np.interp(at, self.at, self.points[:, 1])], axis=1)
 
     def tangent(self, at: Float64) -> Float64:
-        """Unit vectors along the line at `at` (K,), shape (K, 2); on a corner along the way that leaves it."""
+        """Return unit vectors along the line at `at` (K,), shape (K, 2); on a corner, of the outgoing side."""
         at = np.mod(at, self.length) if self.closed and self.length > 0 else at
         piece = np.clip(np.searchsorted(self.at, at, side="right") - 1, 0, len(self.at) - 2)
         way = self.points[piece + 1] - self.points[piece]
@@ -65,7 +62,7 @@ class Curve:
 
 
 def curve_of(points: Float64, *, closed: bool) -> Curve | None:
-    """The line through `points` (P, 2), measured, its corners found; None if it has no length."""
+    """Return the curve through `points` (P, 2) with its corners, or None if it has no length."""
     if closed and len(points) and np.hypot(*(points[0] - points[-1])) > 1e-9:
         points = np.concatenate([points, points[:1]])
     if len(points) < 2:
@@ -80,7 +77,7 @@ def curve_of(points: Float64, *, closed: bool) -> Curve | None:
 
 
 def _corners(points: Float64, closed: bool) -> npt.NDArray[np.int64]:
-    """Indices of the points in which the line turns sharply; ends of an open line are none."""
+    """Return the indices of points with a sharp turn, without the ends of an open line."""
     way = np.diff(points, axis=0)
     heading = np.arctan2(way[:, 1], way[:, 0])
     if closed:
@@ -90,7 +87,7 @@ def _corners(points: Float64, closed: bool) -> npt.NDArray[np.int64]:
 
 
 def begin_at(curve: Curve, at: float) -> Curve:
-    """The same closed line, begun at `at` [m along it]."""
+    """Return the same closed line with its start at `at` [m along it]."""
     at = math.fmod(at, curve.length)
     if at < 1e-9 or curve.length - at < 1e-9:
         return curve
@@ -103,32 +100,32 @@ def begin_at(curve: Curve, at: float) -> Curve:
 
 DEFAULT_SIZE: Final = (8.0, 5.0)
 SMALLEST_AREA: Final = 0.01
-"""A region is not smaller [m²]."""
+"""Smallest area of a region [m²]."""
 SMALLEST_LENGTH: Final = 0.05
-"""All lines together are not shorter [m]."""
+"""Smallest total length of all lines [m]."""
 MOST_LINES: Final = 500
 _STRETCHED: Final = ("line", "grid", "rectangle", "ellipse")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawing:
-    """What is drawn on the floor."""
+    """The lines and region of a shape on the floor."""
 
     curves: tuple[Curve, ...]
     region: Any
-    """What closed lines enclose (a shapely polygon or several), None where dancers are on lines."""
+    """Region enclosed by closed lines (a shapely polygon or several), None if dancers stand on lines."""
     middle: tuple[float, float]
     """Middle of the shape (x, z) [m]."""
 
     @property
     def length(self) -> float:
-        """Metres of all lines."""
+        """Total length of all lines [m]."""
         return sum(curve.length for curve in self.curves)
 
 
 @lru_cache(maxsize=64)
 def drawing_of(spec: FormationSpec) -> Drawing:
-    """The lines and the region of a spec, on the stage. PersonError, naming the field, where they cannot be used."""
+    """Return the lines and the region of a spec, on the stage. PersonError, naming the field, if they are unusable."""
     lines = _placed(spec, shape_lines(spec))
     joined = _joined(lines) if spec.shape in ("path", "polyline") else lines
     curves = [curve for points, closed in joined if (curve := curve_of(points, closed=closed)) is not None]
@@ -148,12 +145,12 @@ def drawing_of(spec: FormationSpec) -> Drawing:
 
 
 def _field(spec: FormationSpec) -> str:
-    """The field that a person has to change if the shape is no good."""
+    """Return the field to change if the shape is unusable."""
     return {"path": "path", "polyline": "points", "text": "text"}.get(spec.shape, "points" if spec.points else "size")
 
 
 def _placed(spec: FormationSpec, lines: list[Line]) -> list[Line]:
-    """Fit the lines into the size, turn them and bring them to the centre; drawn metres stay as they are."""
+    """Fit the lines into the size, rotate them and move them to the centre; lines drawn in metres keep their size."""
     everything = np.concatenate([points for points, _ in lines])
     low, high = everything.min(axis=0), everything.max(axis=0)
     if spec.points and spec.size is None:
@@ -162,12 +159,12 @@ def _placed(spec: FormationSpec, lines: list[Line]) -> list[Line]:
         factor, middle, origin = _factor(spec, high - low), (low + high) / 2, np.array(spec.centre)
     yaw = math.radians(spec.rotation_deg)
     cos, sin = math.cos(yaw), math.sin(yaw)
-    turn = np.array([[cos, -sin], [sin, cos]])  # rows: (0, 1) comes to (sin, cos)
+    turn = np.array([[cos, -sin], [sin, cos]])  # rows: maps (0, 1) to (sin, cos)
     return [(((points - middle) * factor) @ turn + origin, closed) for points, closed in lines]
 
 
 def _factor(spec: FormationSpec, extent: Float64) -> Float64:
-    """Metres per unit in x and z."""
+    """Return the scale in x and z [m per unit]."""
     size = np.array(spec.size or DEFAULT_SIZE)
     if spec.size is not None and spec.shape == "line":
         size = np.array([size[0], 1.0])
@@ -182,7 +179,7 @@ def _factor(spec: FormationSpec, extent: Float64) -> Float64:
 
 
 def _joined(lines: list[Line]) -> list[Line]:
-    """Open lines that meet end to end as one line; what begins where another ends is one stroke."""
+    """Merge open lines that meet end to end."""
     opened = [
         shapely.LineString(points) for points, closed in lines if not closed and len(np.unique(points, axis=0)) > 1
     ]
@@ -195,7 +192,7 @@ def _joined(lines: list[Line]) -> list[Line]:
 
 
 def met(curves: list[Curve]) -> tuple[Curve, ...]:
-    """The lines with gaps at the ends that lie on other lines, so that two dancers never share a joint."""
+    """Return the lines with gaps at ends on other lines, so that two dancers never share a joint."""
     if len(curves) < 2:
         return tuple(curves)
     drawn = np.array([shapely.LineString(curve.points) for curve in curves])
@@ -215,20 +212,20 @@ def met(curves: list[Curve]) -> tuple[Curve, ...]:
             elif any(np.hypot(*(place - end)) < 1e-3 for place in taken):
                 gaps[side] = SHARED
             else:
-                taken.append(end)  # the first line that ends here has the dancer
+                taken.append(end)  # the first line that ends here gets the dancer
         found.append(replace(curve, gaps=(gaps[0], gaps[1])))
     return tuple(found)
 
 
 def _passes(curve: Curve, point: Float64) -> bool:
-    """Whether the line goes on on both sides of the point."""
+    """Whether the point is inside the line, not at its end."""
     if curve.closed:
         return True
     return bool(np.hypot(*(curve.points[0] - point)) > 1e-3 and np.hypot(*(curve.points[-1] - point)) > 1e-3)
 
 
 def _region(spec: FormationSpec, lines: list[Line]) -> Any:
-    """What the closed lines enclose; one within another is a hole (even-odd)."""
+    """Return the region enclosed by the closed lines; nested lines are holes (even-odd)."""
     closed = [points for points, is_closed in lines if is_closed]
     if not closed or len(closed) < len(lines):
         spec.refuse("dancers", f"inside needs closed lines, and {spec.shape!r} has an open one", "dancers = 'on'")

@@ -1,4 +1,4 @@
-"""A formation: the places of a group on the stage, made from its spec (T090-T093, T144)."""
+"""The places of a group on the stage, computed from a formation spec (T090-T093, T144)."""
 
 import math
 from dataclasses import dataclass
@@ -28,44 +28,44 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 TOUCHING: Final = 0.5
-"""Bodies of radius 0.25 m touch when their centres are this near [m]."""
+"""Bodies of radius 0.25 m touch at this distance of centres [m]."""
 CLEAR: Final = 0.71
-"""Straight ways into a formation are free of collisions if its places are farther apart than this (CAPT) [m]."""
+"""Straight ways into a formation are collision-free if its places are farther apart than this (CAPT) [m]."""
 NO_SECTION: Final = -1
 SOLOIST: Final = "soloist"
-"""The mark of soloists' places."""
+"""Mark of soloist places."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Formation:
-    """S places; place k is for the dancer number k, if they are numbered soloists first, then section by section."""
+    """S places; place k belongs to dancer k if dancers are ordered soloists first, then section by section."""
 
     name: str
     slots: Float64
     """Places (x, z) [m], shape (S, 2)."""
     heading: Float64
-    """Where she faces there [rad], shape (S,)."""
+    """Heading of each place [rad], shape (S,)."""
     section: Int64
     """Section of each place, from 0; NO_SECTION for soloists and where there are no sections, shape (S,)."""
     soloist: npt.NDArray[np.bool_]
-    """Whether it is a soloist's, shape (S,)."""
+    """Whether each place is a soloist's, shape (S,)."""
     closest: float
-    """Smallest distance of two places [m]; infinite if there are fewer than two."""
+    """Smallest distance of two places [m]; infinite for fewer than two."""
     waiting: int
-    """Dancers for whom there is no place."""
+    """Number of dancers without a place."""
     empty: int
-    """Places for which there is no dancer; they are the last ones."""
+    """Number of places without a dancer; they are the last ones."""
     warnings: tuple[str, ...]
-    """What a person should know, each one line."""
+    """Warnings for the user, one line each."""
     lines: tuple[Float64, ...]
     """The drawn lines, each (P, 2) [m]."""
     symmetry: SymmetryLine | None
-    """The symmetry line, if there is one."""
+    """The symmetry line, or None."""
     marks: tuple[str, ...]
-    """Whose place it is, S words: "soloist", the name of a section, or "" for anybody."""
+    """Required word of each place, S words: "soloist", the name of a section, or "" for any dancer."""
 
     def extent(self) -> tuple[float, float, float, float]:
-        """(least x, least z, greatest x, greatest z) of the places [m]; zeros if there are none."""
+        """Return (least x, least z, greatest x, greatest z) of the places [m]; zeros if there are none."""
         if not len(self.slots):
             return (0.0, 0.0, 0.0, 0.0)
         low, high = self.slots.min(axis=0), self.slots.max(axis=0)
@@ -73,15 +73,15 @@ class Formation:
 
 
 def check_formation(spec: FormationSpec) -> None:
-    """Raise the PersonError that `formation_of` would raise; later calls with this spec are fast and raise none."""
+    """Raise the PersonError that `formation_of` would raise; the spec is then cached and later calls are fast."""
     formation_of(spec, max(2, spec.soloists + 2), 0)
 
 
 def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
-    """The formation of a spec for `count` dancers; the same arguments give the same places, bit for bit.
+    """Return the formation of a spec for `count` dancers; the same arguments give bit-identical places.
 
-    As many places as dancers, unless the spec has a count, density or spacing of its own; then `waiting` and `empty`
-    say what is over. PersonError, naming the field, if the shape cannot be used as the spec says.
+    There are as many places as dancers, unless the spec has a count, density or spacing; then `waiting` and `empty`
+    give the difference. PersonError, naming the field, if the shape cannot be used.
     """
     drawing, line, room, ground = _prepared(spec)
     places_wanted = _place_count(spec, drawing, count)
@@ -117,7 +117,7 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
 
 
 def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:
-    """How many places there are, soloists included."""
+    """Return the number of places, soloists included."""
     if spec.count is not None:
         return spec.count
     if spec.density is None and spec.spacing is None:
@@ -139,7 +139,7 @@ def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:
 def _others(
     spec: FormationSpec, drawing: Drawing, ground: Ground | None, count: int, seed: int, line: SymmetryLine | None
 ) -> tuple[Float64, Float64 | None]:
-    """Places of all but the soloists, and for those on lines the way along it."""
+    """Return the places of all but the soloists, and for those on lines the direction along the line."""
     if spec.shape == "grid":
         yaw = math.radians(spec.rotation_deg)
         turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
@@ -152,7 +152,7 @@ def _others(
 
 
 def _sections(spec: FormationSpec, others: Float64) -> tuple[Int64, Int64]:
-    """The order in which places stand section by section, and the section of each place in that order."""
+    """Return the order of places section by section, and the section of each place in that order."""
     everybody = np.arange(len(others))
     if not spec.sections:
         return everybody, np.full(len(others), NO_SECTION)
@@ -165,7 +165,9 @@ def _sections(spec: FormationSpec, others: Float64) -> tuple[Int64, Int64]:
 
 @lru_cache(maxsize=64)
 def _prepared(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawing, Ground | None]:
-    """What does not depend on the number of dancers: drawing, symmetry line, what soloists in the middle leave."""
+    """Return all that is independent of the dancer count: drawing, symmetry line, drawing without central soloists,
+    ground.
+    """
     drawing = drawing_of(spec)
     line = symmetry_line(spec, drawing.middle)
     room = make_room(spec, drawing, line)
@@ -175,7 +177,7 @@ def _prepared(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawin
 
 @lru_cache(maxsize=64)
 def _lines(spec: FormationSpec) -> tuple[Float64, ...]:
-    """What is drawn on the floor; with a symmetry line the kept side and its reflection."""
+    """Return the lines to draw on the floor; with a symmetry line the kept side and its reflection."""
     drawing, line, _, _ = _prepared(spec)
     if spec.shape == "grid":
         return ()

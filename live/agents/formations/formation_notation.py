@@ -1,4 +1,4 @@
-"""Formations in short words: "circle", "star", "star:6 poisson", "text:LIVE" (for the command line and live calls)."""
+"""Short notation for formations: "circle", "star:6 poisson", "text:LIVE" (for the command line and live calls)."""
 
 from typing import Any, Final
 
@@ -11,10 +11,10 @@ EXAMPLES: Final = "circle, line, grid, star, star:6, triangle, spiral, text:LIVE
 
 
 def spec_from_words(words: str) -> FormationSpec:
-    """The spec that words say: a shape, then inside, on, or a pattern. PersonError with examples if they say none.
+    """Return the spec of a shape followed by inside, on, or a pattern. PersonError with examples if it is invalid.
 
-    After a colon stands what the shape needs: text:LIVE, star:6 (points), spiral:3 (turns), path:D. All that follows
-    "text:" and "path:" belongs to it.
+    A colon introduces the shape's argument: text:LIVE, star:6 (points), spiral:3 (turns), path:D. The argument of
+    "text:" and "path:" is the rest of the string.
     """
     first, _, after = words.strip().partition(":")
     if first in ("text", "path") and after:
@@ -30,7 +30,7 @@ def spec_from_words(words: str) -> FormationSpec:
             table["pattern"] = part
         else:
             raise PersonError(
-                f"{part[:60]!r} is no pattern; there are: even, {', '.join(INSIDE_PATTERNS)}, inside, on",
+                f"unknown pattern {part[:60]!r}; there are: even, {', '.join(INSIDE_PATTERNS)}, inside, on",
                 f"such as {EXAMPLES}",
             )
     return spec_from_table(table, repr(words[:60]))
@@ -41,11 +41,11 @@ def _shape(word: str) -> dict[str, Any]:
     if shape in _POLYGONS and not number:
         return {"shape": "polygon", "corners": _POLYGONS[shape]}
     if shape not in SHAPES:
-        raise PersonError(f"{word[:60]!r} is no formation", f"such as {EXAMPLES}")
+        raise PersonError(f"unknown formation {word[:60]!r}", f"such as {EXAMPLES}")
     if not number:
         return {"shape": shape}
     if shape not in _AFTER_COLON:
-        raise PersonError(f"{word[:60]!r}: nothing can follow {shape!r}", f"such as {EXAMPLES}")
+        raise PersonError(f"{word[:60]!r}: {shape!r} takes no argument", f"such as {EXAMPLES}")
     try:
         return {"shape": shape, _AFTER_COLON[shape]: float(number) if shape == "spiral" else int(number)}
     except ValueError:

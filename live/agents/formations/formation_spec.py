@@ -1,10 +1,7 @@
-"""What a formation is to be: shape, density, pattern and the rest, as one frozen value (T087, T090-T093).
+"""Formation spec: shape, density, pattern and other settings as one frozen value, its validation, and its form as a
+TOML or JSON table (T087: stored once, referenced by name; T090-T093).
 
 Metres and degrees; a point is (x, z) on the stage: +x to the right as the audience sees it, +z towards the audience.
-
-What the fields of a formation may be: words, ranges, and what goes together (T090-T093).
-
-A formation as a table of TOML or JSON, and back (T087: stored once, referenced by name).
 """
 
 import dataclasses
@@ -36,11 +33,11 @@ MOST_POINTS: Final = 20_000
 LONGEST_TEXT: Final = 40
 LONGEST_PATH: Final = 200_000
 FARTHEST: Final = 1000.0
-"""No place of a formation lies farther than this from the centre of the stage [m]."""
+"""Largest distance of a place from the centre of the stage [m]."""
 
 
 def check_spec(spec: Any) -> None:
-    """Raise the PersonError of the first field of a FormationSpec that cannot be (it is `Any`: it imports this)."""
+    """Raise a PersonError for the first invalid field of a FormationSpec (typed `Any`: defined below)."""
     for check in (_check_words, _check_numbers, _check_sections, _check_shape, _check_points, _check_pattern):
         check(spec)
     _check_mirror(spec)
@@ -128,7 +125,7 @@ def _check_shape(spec: Any) -> None:
     if not isinstance(spec.path, tuple) or not all(isinstance(each, str) for each in spec.path):
         spec.refuse("path", "SVG paths as texts expected")
     if sum(map(len, spec.path)) > LONGEST_PATH:
-        spec.refuse("path", f"longer than {LONGEST_PATH} signs", "draw it with fewer points")
+        spec.refuse("path", f"longer than {LONGEST_PATH} characters", "draw it with fewer points")
 
 
 def _check_points(spec: Any) -> None:
@@ -161,7 +158,7 @@ def _check_pattern(spec: Any) -> None:
     if spec.pattern in INSIDE_PATTERNS and spec.dancers == "on":
         spec.refuse("pattern", f"{spec.pattern!r} is for dancers inside; on lines: even or weighted")
     if spec.pattern in (*INSIDE_PATTERNS, "even") and (spec.weights or spec.focus is not None):
-        spec.refuse("pattern", f"{spec.pattern!r} knows no weights and no focus", "pattern = 'weighted'")
+        spec.refuse("pattern", f"{spec.pattern!r} takes no weights or focus", "pattern = 'weighted'")
     if spec.shape == "grid" and (spec.dancers == "on" or spec.pattern not in (None, "even")):
         spec.refuse("pattern", "a grid is rows already", "shape = 'rectangle' takes all patterns")
     if spec.shape == "grid" and (spec.weights or spec.focus is not None):
@@ -205,24 +202,25 @@ Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson
 
 @dataclass(frozen=True, slots=True)
 class FormationSpec:
-    """A formation as a choreographer wishes it; every field has a meaning only where it is named.
+    """A formation as specified by a choreographer; fields that do not apply to the shape or pattern are ignored.
 
-    PersonError, naming the field, if a value cannot be.
+    PersonError, naming the field, if a value is invalid.
     """
 
     shape: Shape = "grid"
     """Lines on the floor; "grid" is staggered rows that fill `size`."""
     name: str = ""
-    """What others call it by."""
+    """Name by which evolutions and scores refer to it."""
     centre: Point = (0.0, 0.0)
-    """Middle of the formation (x, z) [m]; `points` without a `size` are moved by it."""
+    """Middle of the formation (x, z) [m]; an offset for `points` without a `size`."""
     size: Point | None = None
-    """Width and depth [m] into which the shape is fitted; left out: 8 x 5, and `points` stay as drawn."""
+    """Width and depth [m] into which the shape is fitted; default 8 x 5, and `points` stay as drawn."""
     proportions: Literal["keep", "stretch"] | None = None
-    """Whether the shape keeps its proportions in `size`; left out: line, grid, rectangle, ellipse, and a circle
-    with a `size`, are stretched, all others keep them."""
+    """Whether the shape keeps its proportions in `size`; default: stretch for line, grid, rectangle, ellipse, and a
+    circle with a `size`, else keep.
+    """
     rotation_deg: float = 0.0
-    """The shape is turned about its middle; positive turns its front towards +x."""
+    """Rotation about the middle; positive turns the front towards +x."""
     corners: int = 5
     """Corners of a polygon without points, points of a star."""
     inner: float = 0.4
@@ -230,52 +228,53 @@ class FormationSpec:
     turns: float = 2.5
     """Turns of a spiral."""
     arc_deg: float = 180.0
-    """How much of a circle an arc is; its middle lies at the back, so that it opens to the public."""
+    """Angle of an arc; its middle lies at the back, so that it opens to the public."""
     text: str = ""
-    """Letters A to Z, digits, blanks and hyphens of a text, readable from the public."""
+    """Letters A to Z, digits, blanks and hyphens, readable from the public."""
     path: tuple[str, ...] = ()
     """SVG paths (the text of `d`); their y points to the public."""
     points: tuple[tuple[Point, ...], ...] = ()
     """Drawn lines, each a tuple of points (x, z) [m]; a polygon has one."""
     closed: bool | None = None
-    """Whether drawn lines are closed; left out: if the last point is the first one, or dancers are inside."""
+    """Whether drawn lines are closed; default: if the last point equals the first, or dancers are inside."""
     dancers: Literal["on", "inside"] | None = None
-    """On the lines or inside closed ones; left out: as the pattern needs it, else on."""
+    """On the lines or inside closed ones; default: as the pattern requires, else on."""
     pattern: Pattern | None = None
-    """On lines: even or weighted. Inside: even, weighted, grid, diagonal, concentric, poisson. Left out: even, or
-    weighted where weights or a focus are given."""
+    """On lines: even or weighted. Inside: even, weighted, grid, diagonal, concentric, poisson. Default: even, or
+    weighted if weights or a focus are given.
+    """
     mark_corners: bool | None = None
-    """Whether corners of lines get a dancer before the rest; left out: for text, polygon, rectangle and star."""
+    """Whether corners of lines are filled first; default: for text, polygon, rectangle and star."""
     weights: tuple[float, ...] = ()
-    """How dense dancers are along each line, at equal distances from its start to its end."""
+    """Relative density along each line, at equal distances from its start to its end."""
     focus: Point | None = None
-    """A place (x, z) [m] around which dancers are denser."""
+    """Place (x, z) [m] around which dancers are denser."""
     focus_reach: float = 2.0
-    """How far the focus reaches [m]."""
+    """Reach of the focus [m]."""
     focus_strength: float = 3.0
-    """How much denser they are at the focus than far from it: 1 + this."""
+    """Density at the focus relative to far from it is 1 + this."""
     count: int | None = None
-    """How many places there are, soloists included; left out: as many as dancers, or as density or spacing say."""
+    """Number of places, soloists included; default: number of dancers, or from density or spacing."""
     density: float | None = None
-    """Dancers per square metre inside; the count follows."""
+    """Dancers per square metre inside; determines the count."""
     spacing: float | None = None
-    """Distance between neighbours [m]; the count follows."""
+    """Distance between neighbours [m]; determines the count."""
     mirror: Literal["left-right", "front-back"] | tuple[Point, Point] | None = None
     """Symmetry line: from back to front or from side to side through the centre, or through two points."""
     mirror_keep: Literal["left", "right", "front", "back"] | None = None
-    """The side of the symmetry line that is reflected over it, as the audience sees it; left out: left, else back."""
+    """Side of the symmetry line that is kept and reflected, as the audience sees it; default: left, else back."""
     soloists: int = 0
-    """How many dancers stand apart from the others."""
+    """Number of soloists."""
     soloist_place: Literal["front", "centre"] = "front"
-    """In front of the others, or in the middle of the shape, where the others make room."""
+    """Soloists stand in front of the others, or in the middle of the shape, where the others make room."""
     soloist_gap: float = 1.5
-    """How far from the others [m]."""
+    """Distance of soloists from the others [m]."""
     sections: tuple[int, ...] = ()
-    """Sizes of sections whose dancers get neighbouring places; shares, if their sum is another than the count."""
+    """Sizes of sections whose dancers get neighbouring places; proportions, if their sum differs from the count."""
     section_names: tuple[str, ...] = ()
-    """A word for each section: dancers who have it as an attribute get its places."""
+    """A word for each section: dancers with this attribute get its places."""
     heading: Literal["public", "centre", "outwards", "along", "angle"] = "public"
-    """Where dancers face: the public, the middle, away from it, along the line, or `heading_deg`."""
+    """Facing direction: the public, the middle, away from it, along the line, or `heading_deg`."""
     heading_deg: float = 0.0
     """Heading for "angle": 0 faces the public, positive towards +x."""
 
@@ -291,7 +290,7 @@ class FormationSpec:
 
     @property
     def distribution(self) -> Pattern:
-        """The pattern, also where it is left out."""
+        """The pattern with its default resolved."""
         if self.pattern is not None:
             return self.pattern
         return "weighted" if self.weights or self.focus is not None else "even"
@@ -306,7 +305,7 @@ _FIELDS: Final = {field.name: field.default for field in dataclasses.fields(Form
 
 
 def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> FormationSpec:
-    """The spec that a table says; keys are the fields of FormationSpec. PersonError, naming the key, if it is none.
+    """Return the spec of a table; keys are the fields of FormationSpec. PersonError, naming the key, if it is invalid.
 
     `where` names the table in the message. `path` may be one text, `points` one line or several.
     """
@@ -314,7 +313,7 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
         raise PersonError(f"{where}: a table expected, not {type(table).__name__}")
     unknown = [str(key) for key in table if key not in _FIELDS]
     if unknown:
-        raise PersonError(f"{where}: {unknown[0][:60]!r} is no key of a formation; there are: {', '.join(_FIELDS)}")
+        raise PersonError(f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: {', '.join(_FIELDS)}")
     values = {key: _plain(value) for key, value in table.items()}
     if isinstance(values.get("path"), str):
         values["path"] = (values["path"],)
@@ -323,18 +322,18 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
         values["points"] = (points,)
     try:
         return FormationSpec(**values)
-    except TypeError:  # nested otherwise than any value of that field can be
-        raise PersonError(f"{where}: a value is nested otherwise than expected", "compare docs/formations.md") from None
+    except TypeError:  # nested in a way that no field accepts
+        raise PersonError(f"{where}: a value has an unexpected nesting", "compare docs/formations.md") from None
 
 
 def spec_to_table(spec: FormationSpec) -> dict[str, Any]:
-    """What differs from the defaults, as a table that TOML and JSON can hold; `spec_from_table` gives the same spec."""
+    """Return the non-default fields as a table for TOML and JSON; `spec_from_table` restores the same spec."""
     table = {name: getattr(spec, name) for name, default in _FIELDS.items() if getattr(spec, name) != default}
     return {"shape": spec.shape, **{name: _lists(value) for name, value in table.items()}}
 
 
 def _plain(value: Any) -> Any:
-    """Lists as tuples, all the way down."""
+    """Convert lists to tuples, recursively."""
     return tuple(_plain(each) for each in value) if isinstance(value, list | tuple) else value
 
 

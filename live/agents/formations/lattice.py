@@ -1,7 +1,7 @@
-"""Dancers on a grid inside a region, straight or diagonal, with exact counts (T091, Fig 4.5 a and b).
+"""Square lattices inside a region, straight or diagonal, with exact counts (T091, Fig 4.5 a and b).
 
-A lattice that is laid symmetrically gains or loses several dancers at once when its spacing changes, so many offsets
-are tried and the widest spacing taken that holds exactly as many as asked for.
+The count of a symmetrical lattice changes by several dancers at once with its spacing. So many offsets are tried, and
+the widest spacing with the exact count is taken.
 """
 
 import math
@@ -18,16 +18,16 @@ Float64 = npt.NDArray[np.float64]
 
 _DEPTHS: Final = (0.0, 0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
 _ANYHOW: Final = ((0.31, 0.0), (0.17, 0.5), (0.31, 0.22), (0.17, 0.61), (0.42, 0.37), (0.08, 0.83))
-"""Offsets that are not symmetrical, tried when no symmetrical one holds the right number."""
+"""Asymmetrical offsets, tried when no symmetrical one gives the right count."""
 _CENTRED: Final = 1.03
-"""How much wider another lattice has to be than one laid symmetrically from front to back as well."""
+"""Factor by which another lattice must be wider than one that is also symmetrical from front to back."""
 _SWEEP: Final = 40
 _HALVINGS: Final = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ground:
-    """A region in the lattice's own axes, and what the kernel needs of it."""
+    """A region in the lattice's axes, and scratch data of the kernel."""
 
     edges: Float64
     bounds: Float64
@@ -36,7 +36,7 @@ class _Ground:
     diagonal: bool
 
     def count(self, offset: tuple[float, float], spacing: float, out: Float64) -> int:
-        """How many places there are; they stand in `out` as far as it reaches."""
+        """Return the number of places; write as many as fit into `out`."""
         step = spacing * math.sqrt(2.0) if self.diagonal else spacing
         x0, z0 = offset[0] * step, offset[1] * step
         found = int(fill_rows(self.edges, self.bounds, step, step, x0, z0, self.crossings, out))
@@ -50,10 +50,10 @@ class _Ground:
 def place_on_lattice(
     region: Any, count: int, origin: Float64, yaw: float, *, diagonal: bool, symmetrical: bool = False
 ) -> Float64 | None:
-    """`count` places of a square lattice in a region, front rows first, shape (count, 2); None if none holds so many.
+    """Return `count` places of a square lattice in a region, front rows first, shape (count, 2), or None.
 
-    It is laid symmetrically about the line through `origin` along z turned by `yaw`, if that can be; a diagonal one
-    is turned by 45 degrees more. With `symmetrical` no other way of laying it is tried.
+    The lattice is symmetrical about the line through `origin` along z turned by `yaw`, if possible; a diagonal one is
+    turned by another 45 degrees. With `symmetrical` no asymmetrical lattice is tried.
     """
     turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     ground = _ground(region, origin, turn, diagonal)
@@ -82,7 +82,7 @@ def _ground(region: Any, origin: Float64, turn: Float64, diagonal: bool) -> _Gro
 
 
 def _widest(ground: _Ground, count: int, offsets: list[tuple[float, float]]) -> Float64 | None:
-    """The places of the exact lattice of the widest spacing over all offsets."""
+    """Return the places of the exact lattice with the widest spacing over all offsets."""
     best, chosen = 0.0, None
     for offset in offsets:
         spacing = _exact(ground, count, offset)
@@ -97,7 +97,7 @@ def _widest(ground: _Ground, count: int, offsets: list[tuple[float, float]]) -> 
 
 
 def _exact(ground: _Ground, count: int, offset: tuple[float, float]) -> float | None:
-    """A spacing at which exactly `count` places are in the region, of the widest such spacings."""
+    """Return a spacing that gives exactly `count` places, among the widest such spacings, or None."""
     nothing = np.zeros((0, 2))
     middle = math.sqrt(ground.area / count)
     wide, narrow = (2.2, 0.4) if count < 12 else (1.4, 0.75)
@@ -113,7 +113,7 @@ def _exact(ground: _Ground, count: int, offset: tuple[float, float]) -> float | 
 
 
 def _between(ground: _Ground, count: int, offset: tuple[float, float], wide: float, narrow: float) -> float | None:
-    """An exact spacing between one that holds too few and one that holds too many."""
+    """Return an exact spacing between one with too few and one with too many places, or None."""
     nothing = np.zeros((0, 2))
     for _ in range(_HALVINGS):
         middle = 0.5 * (wide + narrow)
@@ -127,10 +127,10 @@ def _between(ground: _Ground, count: int, offset: tuple[float, float], wide: flo
 def _fewest_left_out(
     ground: _Ground, count: int, offsets: list[tuple[float, float]], symmetrical: bool
 ) -> Float64 | None:
-    """The lattice of the widest spacing with more places than asked for, without those at the back from outside in.
+    """Return the lattice of the widest spacing with too many places, without places at the back, from the outside in.
 
-    Where a rectangle has only full rows no lattice holds 97. With `symmetrical`, only pairs and places on the
-    symmetry line are left out.
+    For example, a rectangle with only full rows has no lattice of 97. With `symmetrical`, only pairs and places on the
+    symmetry line are removed.
     """
     best, chosen = 0.0, None
     for offset in offsets:
@@ -160,7 +160,7 @@ def _widest_with_room(ground: _Ground, count: int, offset: tuple[float, float]) 
 
 
 def _without_the_back(places: Float64, count: int, symmetrical: bool) -> Float64 | None:
-    """`count` of the places; None if a symmetrical choice cannot be made."""
+    """Return `count` of the places, or None if a symmetrical choice is impossible."""
     excess = len(places) - count
     on_line = np.abs(places[:, 0]) < 1e-6
     from_back = np.lexsort((places[:, 0], -np.round(np.abs(places[:, 0]), 6), np.round(places[:, 1], 6)))

@@ -1,6 +1,5 @@
-"""Dancers on lines: exact counts, evenly along the way or in weighted measure, corners first where wished (T091).
-
-Dancers on the lines of a drawing: even or weighted, symmetrical where wished, and never two on one joint (T091).
+"""Placement on the lines of a drawing with exact counts: even or weighted, optionally corners first and symmetrical,
+with no two dancers on one joint (T091).
 """
 
 from dataclasses import replace
@@ -19,13 +18,13 @@ Int64 = npt.NDArray[np.int64]
 
 
 def share(count: int, lengths: Float64, fixed: Float64, least: Int64) -> Int64:
-    """Split `count` over C lines so that their gaps are as equal as can be (Webster's method), shape (C,).
+    """Split `count` over C lines so that their gaps are as equal as possible (Webster's method), shape (C,).
 
-    Line c of `lengths[c]` with k shares has k + `fixed[c]` gaps; each gets at least `least[c]`, whose sum is not more
-    than `count`. Of equal lines the outermost of the list come first, so that symmetrical shapes stay so.
+    Line c of `lengths[c]` with k dancers has k + `fixed[c]` gaps; each gets at least `least[c]`, whose sum is at most
+    `count`. Ties go to the outermost lines of the list, so that symmetrical shapes stay symmetrical.
     """
     given = least.astype(np.int64).copy()
-    if count - int(given.sum()) > 16:  # most of them at once, the last ones one by one
+    if count - int(given.sum()) > 16:  # most at once, the rest one by one
         gap = float(lengths.sum()) / max(count + float(fixed.sum()), 1.0)
         ahead = np.maximum(given, np.floor(lengths / max(gap, 1e-12) - fixed).astype(np.int64) - 1)
         given = ahead if ahead.sum() <= count else given
@@ -39,17 +38,17 @@ def share(count: int, lengths: Float64, fixed: Float64, least: Int64) -> Int64:
 
 
 def share_over_curves(count: int, curves: "list[Curve]") -> Int64:
-    """How many dancers stand on each line, shape (C,), together `count`."""
+    """Return the number of dancers on each line, shape (C,), with the sum `count`."""
     lengths = np.array([curve.length for curve in curves])
     fixed = np.array([0.0 if curve.closed else sum(curve.gaps) - 1.0 for curve in curves])
     return share(count, lengths, fixed, np.zeros(len(curves), np.int64))
 
 
 def along(curve: Curve, count: int, *, corners: bool, phase: float = 0.0) -> Float64:
-    """Where `count` dancers stand along a line, in units of its `at`, shape (count,), growing.
+    """Return positions of `count` dancers along a line, in units of its `at`, shape (count,), ascending.
 
-    With `corners` each corner has one, if there are as many dancers, and sides are filled as evenly as whole numbers
-    allow. `phase` moves those of a closed line without marked corners, in spacings. `count` 0 is nobody.
+    With `corners` each corner gets a dancer, if there are enough, and sides are filled as evenly as whole numbers
+    allow. `phase` shifts dancers on a closed line without marked corners, in spacings.
     """
     if count == 0:
         return np.zeros(0)
@@ -70,7 +69,7 @@ def along(curve: Curve, count: int, *, corners: bool, phase: float = 0.0) -> Flo
 
 
 def _least(sides: int, gaps: tuple[float, float]) -> Int64:
-    """The fewest whole gaps of each side: a side between two corners has one."""
+    """Return the smallest number of whole gaps of each side: one between two corners."""
     least = np.ones(sides, np.int64)
     least[0] -= gaps[0] > 0
     least[-1] -= gaps[1] > 0
@@ -78,7 +77,7 @@ def _least(sides: int, gaps: tuple[float, float]) -> Int64:
 
 
 def _sides(ends: Float64, whole: int, gaps: tuple[float, float]) -> Float64:
-    """Dancers on all `ends` (but for gaps at the first and last) and evenly between them; `whole` gaps in all."""
+    """Place dancers on all `ends` (except gaps at the first and last) and evenly between; `whole` gaps in total."""
     lengths = np.diff(ends)
     parts = np.zeros(len(lengths))
     parts[0] += gaps[0]
@@ -97,16 +96,16 @@ Placed = tuple[Float64, Float64]
 
 NOBODY: Final = np.zeros((0, 2))
 NEAR: Final = 0.6
-"""Dancers of different lines nearer than this share of the spacing are moved apart along their lines."""
+"""Dancers of different lines closer than this share of the spacing are moved apart along their lines."""
 SHIFTS: Final = 2
-"""How often a dancer is moved from a crowded line to the roomiest one."""
+"""Largest number of dancers moved from a crowded line to the least crowded one."""
 DENSE: Final = 500
-"""Points of a weighted line."""
+"""Number of samples of a weighted line."""
 _MARKED: Final = ("text", "polygon", "rectangle", "star")
 
 
 def place_on_lines(spec: FormationSpec, drawing: Drawing, count: int, line: SymmetryLine | None) -> Placed:
-    """`count` places on the lines of a drawing, in the order of the lines."""
+    """Return `count` places on the lines of a drawing, in the order of the lines."""
     corners = spec.shape in _MARKED if spec.mark_corners is None else spec.mark_corners
     if line is None:
         return place_on_curves([_weighted(spec, curve) for curve in drawing.curves], count, corners=corners)
@@ -123,15 +122,15 @@ def place_on_lines(spec: FormationSpec, drawing: Drawing, count: int, line: Symm
 def place_on_curves(
     curves: list[Curve], count: int, *, corners: bool, line: SymmetryLine | None = None, taken: Float64 = NOBODY
 ) -> Placed:
-    """`count` places over all lines, with gaps as equal as can be.
+    """Return `count` places over all lines, with gaps as equal as possible.
 
-    They keep away from places that are `taken` (K, 2) and, if there is a symmetry `line`, from reflections of all.
+    They keep away from `taken` places (K, 2) and, with a symmetry `line`, from all reflections.
     """
     if not curves:
         return NOBODY, NOBODY
     number = share_over_curves(count, curves)
     at, places = _placed(curves, number, corners, line, taken)
-    for _ in range(SHIFTS if len(curves) > 1 else 0):  # a small ring may hold fewer than its length says
+    for _ in range(SHIFTS if len(curves) > 1 else 0):  # a small ring may fit fewer than its share by length
         crowded = _crowded(places, curves, line, taken)
         if not crowded:
             break
@@ -150,7 +149,7 @@ def place_on_curves(
 def _placed(
     curves: list[Curve], number: Int64, corners: bool, line: SymmetryLine | None, taken: Float64
 ) -> tuple[list[Float64], list[Float64]]:
-    """Where `number` (C,) dancers stand along each line, and their places; moved along where lines come near."""
+    """Return positions and places of `number` (C,) dancers on each line, shifted where lines come close."""
     at = [along(curve, int(k), corners=corners) for curve, k in zip(curves, number, strict=True)]
     places = [curve.place(each) for curve, each in zip(curves, at, strict=True)]
     for n in _crowded(places, curves, line, taken):
@@ -164,7 +163,7 @@ def _placed(
 
 
 def place_mirrored(kept: list[Curve], on_line: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Placed:
-    """`count` places, symmetrical about `line`, on the kept halves of lines, their reflections, and lines on it.
+    """Return `count` places, symmetrical about `line`, on the kept halves of lines, their reflections, and lines on it.
 
     If the count is odd and no line meets the symmetry line, one more place lies on it, in the middle.
     """
@@ -194,7 +193,7 @@ def _images(places: Float64, line: SymmetryLine | None) -> Float64:
 
 
 def _crowded(places: list[Float64], curves: list[Curve], line: SymmetryLine | None, taken: Float64) -> list[int]:
-    """Numbers of the lines on which somebody stands too near to another, in falling order."""
+    """Return the indices of lines with dancers too close to others, descending."""
     own = np.concatenate(places)
     everybody = np.concatenate([taken, own, _images(own, line)])
     if len(own) == 0 or len(everybody) < 2:
@@ -207,7 +206,7 @@ def _crowded(places: list[Float64], curves: list[Curve], line: SymmetryLine | No
 
 
 def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
-    """The same line with its dancers begun elsewhere: a closed one turned on, an open one drawn in at its ends."""
+    """Return alternative positions on the same line: a closed one shifted, an open one inset at its ends."""
     if count == 0:
         return []
     if curve.closed:
@@ -217,12 +216,12 @@ def _other_ways(curve: Curve, count: int, corners: bool) -> list[Float64]:
 
 
 def _apart(places: list[Float64], line: SymmetryLine | None, taken: Float64) -> float:
-    """The smallest distance of two places [m]."""
+    """Return the smallest distance of two places [m]."""
     return _apart_from(np.concatenate(places), taken, line)
 
 
 def _apart_from(places: Float64, others: Float64, line: SymmetryLine | None) -> float:
-    """The smallest distance of two of `places` (S, 2), of one and a reflection, or of one and `others` (T, 2) [m]."""
+    """Return the smallest distance [m] between `places` (S, 2), or from them to reflections or `others` (T, 2)."""
     everybody = np.concatenate([places, others, _images(places, line)])
     squared = (places[:, 0, None] - everybody[None, :, 0]) ** 2 + (places[:, 1, None] - everybody[None, :, 1]) ** 2
     np.fill_diagonal(squared, np.inf)
@@ -230,7 +229,7 @@ def _apart_from(places: Float64, others: Float64, line: SymmetryLine | None) -> 
 
 
 def _weighted(spec: FormationSpec, curve: Curve) -> Curve:
-    """The line measured in mass instead of metres, where dancers are to be denser in some parts of it."""
+    """Return the line measured in mass instead of metres, if dancers are denser in parts of it."""
     if spec.distribution != "weighted":
         return curve
     at = np.union1d(curve.at, np.linspace(0.0, curve.length, DENSE))
@@ -249,7 +248,7 @@ def _weighted(spec: FormationSpec, curve: Curve) -> Curve:
 
 
 def density_at(spec: FormationSpec, points: Float64) -> Float64:
-    """How dense dancers are at `points` (K, 2) by the focus: 1 far from it, 1 + strength in it, shape (K,)."""
+    """Return the density at `points` (K, 2) due to the focus: 1 far from it, 1 + strength in it, shape (K,)."""
     if spec.focus is None:
         return np.ones(len(points))
     squared = ((points - np.array(spec.focus)) ** 2).sum(axis=1)

@@ -1,6 +1,6 @@
-"""Dancers inside a region: which pattern makes the places, with and without symmetry (T091, T092, T144).
+"""Placement inside a region by pattern, with and without symmetry (T091, T092, T144).
 
-Concentric silhouettes: the outline of a region again and again, each ring further in (T091, T093, Fig 4.5 c).
+Concentric silhouettes repeat the outline of a region, each ring further in (T091, T093, Fig 4.5 c).
 """
 
 import math
@@ -25,26 +25,26 @@ MITRE: Final = 3.0
 TABLE: Final = 24
 EVEN_ENOUGH: Final = 0.7
 _TINY: Final = 0.3
-"""A ring smaller than this share of the ring distance is a place in the middle."""
+"""A ring smaller than this share of the ring distance becomes a place in the middle."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Core:
-    """What the rings of a region need to know of it; takes milliseconds to find out, and is found out once."""
+    """Precomputed data of a region for its rings; takes milliseconds to compute."""
 
     region: Any
     coarse: Any
-    """The region with so few points that rings are made quickly; 2 mm off at most."""
+    """The region simplified (error at most 2 mm), for fast rings."""
     radius: float
     middle: Float64
-    """Radius [m] and middle (2,) of the largest circle inside."""
+    """Radius [m] and middle (2,) of the largest inscribed circle."""
     inwards: Float64
     lengths: Float64
-    """Metres of the ring that lies so many metres inwards, both (K,)."""
+    """Ring length [m] at each inward offset [m], both (K,)."""
 
 
 def core_of(region: Any) -> Core:
-    """The core of a region."""
+    """Return the core of a region."""
     coarse = region.simplify(0.002)
     found = shapely.maximum_inscribed_circle(coarse, tolerance=0.005 * math.sqrt(region.area))
     inwards = np.linspace(0.0, float(found.length), TABLE)
@@ -53,11 +53,11 @@ def core_of(region: Any) -> Core:
 
 
 def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
-    """Rings for `count` dancers, outermost first, so far apart as neighbours on them; and a place in the middle.
+    """Return rings for `count` dancers, outermost first, spaced like neighbours on them, and a place in the middle.
 
-    The rings are closed lines that begin in front; the place has the shape (1, 2), or (0, 2) where there is none.
-    By Steiner's formula n dancers at distance d need rings of A / d + L / 2 metres; the innermost ring lies half a
-    ring distance from the middle, or is the middle itself, whichever makes distances along and across most alike.
+    The rings are closed lines that begin in front; the place has the shape (1, 2), or (0, 2) if there is none. By
+    Steiner's formula n dancers at distance d need rings of A / d + L / 2 metres. The innermost ring lies half a ring
+    distance from the middle, or is the middle itself, whichever makes distances along and across most similar.
     """
     area, outline = float(core.region.area), float(core.region.length)
     wished = (outline / 2 + math.sqrt(outline**2 / 4 + 4.0 * count * area)) / (2.0 * count)
@@ -78,7 +78,7 @@ def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
 
 @lru_cache(maxsize=256)
 def _all_rings(core: Core, distance: float, number: int) -> tuple[Curve, ...]:
-    """Rings of a core; few distances are ever wanted of it, each for many counts."""
+    """Return the rings of a core; cached, since few distances occur, each for many counts."""
     inner = [core.region if n == 0 else _inner(core.coarse, n * distance) for n in range(number)]
     return tuple(curve for each in inner for curve in _rings(each))
 
@@ -107,14 +107,16 @@ def _rings(inner: Any) -> list[Curve]:
 
 
 def _begun_in_front(curve: Curve) -> Curve:
-    """The ring, begun where it is nearest to the public, in the middle of it if that is a whole side."""
+    """Return the ring with its start nearest to the public, in the middle of a front side."""
     low, high = curve.points.min(axis=0), curve.points.max(axis=0)
     front = shapely.Point((low[0] + high[0]) / 2, high[1] + 10.0 * (high[1] - low[1] + 1.0))
     return begin_at(curve, float(shapely.LineString(curve.points).project(front)))
 
 
 def unmarked(curves: list[Curve], count: int) -> list[Curve]:
-    """The rings without corners where standing on all corners would make gaps uneven; the outermost keeps its own."""
+    """Return the rings, without corners where filling all corners would make gaps uneven; the outermost keeps its
+    corners.
+    """
     lengths = sum(curve.length for curve in curves)
     plain = []
     for n, curve in enumerate(curves):
@@ -131,29 +133,29 @@ SEAM: Final = 2e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """A region and what takes long to find out about it."""
+    """A region and its precomputed data."""
 
     region: Any
     half: Any
     """Its kept half, None without a symmetry line."""
     line: SymmetryLine | None
     core: Core | None
-    """For concentric silhouettes."""
+    """For concentric silhouettes only."""
 
 
 def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Ground:
-    """The region of a drawing with closed lines, symmetrical where wished."""
+    """Return the region of a drawing with closed lines, symmetrical if the spec has a mirror."""
     region, half = drawing.region, None
     if line is not None:
         half = half_drawing(spec, drawing, line)[2]
-        overlapping = half.buffer(SEAM, join_style="mitre")  # rounding would leave a slit between the halves
+        overlapping = half.buffer(SEAM, join_style="mitre")  # avoids a slit between the halves from rounding
         region = overlapping.union(line.reflect_shape(overlapping))
         shapely.prepare(region)
     return Ground(region, half, line, core_of(region) if spec.distribution == "concentric" else None)
 
 
 def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> Float64:
-    """`count` places inside a region, shape (count, 2)."""
+    """Return `count` places inside a region, shape (count, 2)."""
     if count == 0:
         return np.zeros((0, 2))
     region, half, line = ground.region, ground.half, ground.line
@@ -174,11 +176,11 @@ def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> 
 
 
 def count_by_spacing(spec: FormationSpec, region: Any, spacing: float) -> int:
-    """About how many dancers fit inside with neighbours `spacing` [m] apart."""
+    """Return the approximate number of dancers inside with neighbours `spacing` [m] apart."""
     area = float(region.area)
     if spec.distribution == "concentric":
         return round(area / spacing**2 + float(region.length) / (2.0 * spacing))
-    # share of the hexagonal spacing that the pattern reaches
+    # achieved share of the hexagonal spacing
     reached = {"poisson": 0.7, "weighted": 0.6, "even": 0.85}.get(spec.distribution)
     if reached is None:
         return round(area / spacing**2)
@@ -186,7 +188,7 @@ def count_by_spacing(spec: FormationSpec, region: Any, spacing: float) -> int:
 
 
 def _middle(region: Any) -> Float64:
-    """The middle of the widest place inside, or of the whole if that is inside, shape (2,)."""
+    """Return the centre of the bounding box if it is inside, else of the largest inscribed circle, shape (2,)."""
     low_x, low_z, high_x, high_z = region.bounds
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
     if shapely.contains_xy(region, centre[0], centre[1]):
@@ -212,7 +214,7 @@ def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine
     kept = found[line.side(found) > 1e-4]
     on_line = found[np.abs(line.side(found)) <= 1e-4]
     on_line = on_line - line.side(on_line)[:, None] * line.normal
-    if 2 * len(kept) + len(on_line) != count:  # a place so near the border that its reflection fell outside
+    if 2 * len(kept) + len(on_line) != count:  # a reflection near the border fell outside
         return None
     return np.concatenate([kept, on_line, line.reflect(kept)])
 

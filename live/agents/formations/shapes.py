@@ -1,7 +1,4 @@
-"""Shapes as lines around their own middle, before they are brought onto the stage (T090, Fig 4.4).
-
-Staggered rows that fill a rectangle: the formation "grid" of the first show, place for place.
-"""
+"""Outlines of the shapes around their own middle, in shape units (T090, Fig 4.4), and the staggered rows of "grid"."""
 
 import math
 from collections.abc import Callable
@@ -19,11 +16,13 @@ Line = tuple[Float64, bool]
 """Points (P, 2), +z to the public, and whether the line is closed."""
 
 AROUND: Final = 180
-"""Points of a circle: the way along it is right to a ten-thousandth."""
+"""Points per circle: the arc length is exact to 1e-4."""
 
 
 def shape_lines(spec: FormationSpec) -> list[Line]:
-    """The lines of a shape in its own units; closed ones begin nearest the public. PersonError if there are none."""
+    """Return the lines of a shape in its own units; closed ones begin nearest to the public. PersonError if there are
+    none.
+    """
     return _SHAPES[spec.shape](spec)
 
 
@@ -32,7 +31,7 @@ def _line(_spec: FormationSpec) -> list[Line]:
 
 
 def _around(begin: float, end: float, points: int) -> Float64:
-    """Points on the unit circle between two headings."""
+    """Return points on the unit circle between two headings."""
     heading = np.linspace(begin, end, points + 1)
     return np.stack([np.sin(heading), np.cos(heading)], axis=1)
 
@@ -65,7 +64,7 @@ def _star(spec: FormationSpec) -> list[Line]:
 
 
 def _spiral(spec: FormationSpec) -> list[Line]:
-    """Archimedes' spiral from the middle outwards, its turns equally far apart."""
+    """Return Archimedes' spiral from the middle outwards, with equal distance between turns."""
     turn = np.linspace(0.0, spec.turns, round(AROUND * spec.turns) + 1)
     heading = 2.0 * math.pi * turn
     radius = turn / spec.turns
@@ -116,7 +115,7 @@ _SHAPES: Final[dict[str, Callable[[FormationSpec], list[Line]]]] = {
 
 
 def staggered_rows(count: int, size: tuple[float, float]) -> Float64:
-    """`count` places around (0, 0), front row first, in a rectangle `size` (width, depth) [m], shape (count, 2)."""
+    """Return `count` places around (0, 0), front row first, in a rectangle `size` [m], shape (count, 2)."""
     if count == 0:
         return np.zeros((0, 2))
     rows = min(max(1, round(math.sqrt(count * size[1] / max(size[0], 1e-6)))), count)

@@ -1,4 +1,4 @@
-"""Whether a formation has room on a stage, and how to mend it if not (T090)."""
+"""Check whether a formation fits on a stage, with a suggested correction (T090)."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from live.agents.formations.formation import Formation
 
 @dataclass(frozen=True, slots=True)
 class StageFit:
-    """What `fit_stage` found."""
+    """Result of `fit_stage`."""
 
     outside: tuple[int, ...]
-    """Places (from 0) that lie over an edge of the stage."""
+    """Places (from 0) beyond an edge of the stage."""
     factor: float
-    """How much smaller it has to be, 1 if its size is right."""
+    """Scale factor needed, 1 if the size fits."""
     move: tuple[float, float]
-    """How far its centre has to go after that (x, z) [m]."""
+    """Displacement of the centre needed after scaling (x, z) [m]."""
     remedy: str
-    """The same in words; empty if it fits."""
+    """The correction in words; empty if it fits."""
 
     @property
     def fits(self) -> bool:
@@ -27,7 +27,7 @@ class StageFit:
 
 
 def fit_stage(formation: Formation, width: float, depth: float, *, radius: float = 0.25) -> StageFit:
-    """Whether bodies of `radius` [m] on all places of a formation are within a stage of `width` and `depth` [m]."""
+    """Check bodies of `radius` [m] on all places of a formation against a stage of `width` and `depth` [m]."""
     half = np.array([width, depth]) / 2 - radius
     if not len(formation.slots) or (np.abs(formation.slots) <= half + 1e-9).all():
         return StageFit((), 1.0, (0.0, 0.0), "")

@@ -1,8 +1,8 @@
-"""A font of single strokes that dancers can stand on: A to Z, 0 to 9, blank, hyphen (T090).
+"""Single-stroke font on which dancers can stand: A to Z, 0 to 9, blank, hyphen (T090).
 
-Letters are 6 units high, y points down (to the public). M x y begins a stroke, L x y goes straight, A cx cy rx ry a b
-goes along an ellipse from angle a to b in degrees (0 to the right, 90 down), Z closes. Strokes that meet another end
-on it, and none cross: dancers of two strokes never want the same place.
+Letters are 6 units high, y points down (to the public). M x y begins a stroke, L x y draws a straight line, A cx cy rx
+ry a b an elliptical arc from angle a to b in degrees (0 to the right, 90 down), Z closes. A stroke may end on another
+stroke but none cross, so dancers of two strokes never share a place.
 """
 
 import math
@@ -15,9 +15,9 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 
 GAP: Final = 2.0
-"""Units between two letters."""
+"""Distance between two letters [units]."""
 BLANK: Final = 2.0
-"""Width of a blank."""
+"""Width of a blank [units]."""
 ARC_STEP_DEG: Final = 6.0
 
 STROKES: Final = {
@@ -59,14 +59,14 @@ STROKES: Final = {
     "9": "A 1.9 1.9 1.9 1.9 0 360 Z M 3.8 1.9 A 1.2 1.9 2.6 4.1 0 105",
     "-": "M 0 3.2 L 2.6 3.2",
 }
-"""All letters there are, beside the blank."""
+"""All available letters except the blank."""
 
 Stroke = tuple[Float64, bool]
 """Points (P, 2) and whether the stroke is closed."""
 
 
 def text_strokes(text: str) -> list[Stroke]:
-    """Strokes of a text, letter by letter from left to right, x to the right, y down, from (0, 0) on [units].
+    """Return the strokes of a text, letter by letter from left to right, x to the right, y down, from (0, 0) [units].
 
     KeyError with the letter if the font does not have it.
     """
@@ -84,7 +84,7 @@ def text_strokes(text: str) -> list[Stroke]:
 
 @cache
 def letter_strokes(letter: str) -> tuple[Stroke, ...]:
-    """Strokes of one letter, its left edge at x = 0; KeyError if the font does not have it."""
+    """Return the strokes of one letter, its left edge at x = 0; KeyError if the font does not have it."""
     words = STROKES[letter].split()
     strokes: list[Stroke] = []
     points: list[tuple[float, float]] = []

@@ -1,4 +1,4 @@
-"""SVG paths as lines of points (T090): any path's `d`, and all that an SVG file draws."""
+"""SVG paths as polylines (T090): the `d` of a path, or all paths of an SVG file."""
 
 import re
 import warnings
@@ -12,33 +12,34 @@ from live.base.errors import PersonError
 Float64 = npt.NDArray[np.float64]
 
 LARGEST_FILE: Final = 2_000_000
-"""Longest text of an SVG file that is read."""
+"""Largest accepted length of an SVG file in characters."""
 MOST_PIECES: Final = 2000
 SAMPLES: Final = 24
-"""Points for each curved piece."""
+"""Points per curved segment."""
 _PATH_SIGNS: Final = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE+\-.,\s]*\Z")
 
 
 def path_lines(d: str, where: str) -> list[Float64]:
-    """Lines of one path, each (P, 2) in its own units, y down; a closed one ends in its first point.
+    """Return the lines of one path, each (P, 2) in its own units, y down; a closed one repeats its first point at the
+    end.
 
-    PersonError, beginning with `where`, if it is no path.
+    PersonError, beginning with `where`, if it is not a path.
     """
-    import svgpathtools  # takes a second to load, and most formations need none of it
+    import svgpathtools  # takes a second to import, and most formations do not need it
 
     if not _PATH_SIGNS.match(d):
-        raise PersonError(f"{where}: not an SVG path: {d[:40]!r}", "a path is such as M 0 0 L 3 0 C 4 1 4 3 3 4 Z")
+        raise PersonError(f"{where}: not an SVG path: {d[:40]!r}", "example of a path: M 0 0 L 3 0 C 4 1 4 3 3 4 Z")
     try:
         path = svgpathtools.parse_path(d)
-    except Exception as error:  # its parser lets any error of its own through
+    except Exception as error:  # the parser may raise any error
         raise PersonError(f"{where}: not an SVG path: {str(error)[:80] or d[:40]}") from None
     return _lines(path, where)
 
 
 def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
-    """The paths that an SVG file draws (also its circles, rectangles, lines; groups moved), as texts of `d`.
+    """Return the paths of an SVG file (circles, rectangles and lines included, transforms applied) as texts of `d`.
 
-    PersonError, beginning with `where`, if it is no SVG, or draws nothing.
+    PersonError, beginning with `where`, if it is not an SVG file or draws nothing.
     """
     from xml.parsers.expat import ExpatError
 
@@ -52,7 +53,7 @@ def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
         paths = svgpathtools.Document.from_svg_string(text).paths()
     except (ExpatError, SyntaxError) as error:
         raise PersonError(f"{where}: not an SVG file: {str(error)[:80]}") from None
-    except Exception as error:  # a shape or a transform in it that its reader stumbles over
+    except Exception as error:  # the reader fails on unsupported shapes or transforms
         raise PersonError(f"{where}: cannot be read: {str(error)[:80] or type(error).__name__}") from None
     found = tuple(path.d() for path in paths if len(path))
     if not found:
@@ -65,7 +66,7 @@ def _lines(path: object, where: str) -> list[Float64]:
 
     assert isinstance(path, svgpathtools.Path)
     if not len(path):
-        raise PersonError(f"{where}: the path draws no line", "a path is such as M 0 0 L 3 0")
+        raise PersonError(f"{where}: the path draws no line", "example of a path: M 0 0 L 3 0")
     if len(path) > MOST_PIECES:
         raise PersonError(f"{where}: more than {MOST_PIECES} pieces", "simplify the path in the drawing program")
     lines: list[Float64] = []
@@ -80,5 +81,5 @@ def _lines(path: object, where: str) -> list[Float64]:
                 points += [complex(segment.point(float(t))) for t in ends]
             lines.append(np.array([(point.real, point.imag) for point in points]))
     if not lines or not all(np.isfinite(line).all() and np.abs(line).max() < 1e9 for line in lines):
-        raise PersonError(f"{where}: the path has no points, or one that is no number")
+        raise PersonError(f"{where}: the path has no points, or one that is not a finite number")
     return lines

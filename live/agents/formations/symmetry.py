@@ -1,4 +1,4 @@
-"""Symmetry about a line: what lies on one side is reflected over it (T092, Fig 4.6)."""
+"""Symmetry about a line: one side is kept and reflected (T092, Fig 4.6)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,50 +14,50 @@ from live.agents.formations.formation_spec import FARTHEST, FormationSpec
 Float64 = npt.NDArray[np.float64]
 
 ON_LINE: Final = 1e-6
-"""Nearer than this to the symmetry line [m] is on it."""
+"""Largest distance of a point on the symmetry line [m]."""
 _SIDES: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, 1.0), "back": (0.0, -1.0)}
 _SLANTED: Final = math.sin(math.radians(14.0))
-"""A line that reaches the symmetry line more slanted than this makes a corner with its reflection."""
+"""Sine of the angle above which a line forms a corner with its reflection at the symmetry line."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymmetryLine:
-    """A line through `point` whose unit `normal` points to the side that is kept."""
+    """A line through `point` with the unit `normal` pointing to the kept side."""
 
     point: Float64
     normal: Float64
 
     @property
     def along(self) -> Float64:
-        """Unit vector along the line, towards the public where it can be."""
+        """Unit vector along the line, pointing towards the public if possible."""
         way = np.array([-self.normal[1], self.normal[0]])
         return -way if way[1] < -1e-12 else way
 
     def side(self, points: Float64) -> Float64:
-        """Distance from the line [m], shape (K,), positive on the kept side."""
+        """Return the signed distance from the line [m], shape (K,), positive on the kept side."""
         return np.asarray((points - self.point) @ self.normal)
 
     def reflect(self, points: Float64) -> Float64:
-        """The points (K, 2) on the other side."""
+        """Return the points (K, 2) reflected."""
         return np.asarray(points - 2.0 * self.side(points)[:, None] * self.normal)
 
     def reflect_ways(self, ways: Float64) -> Float64:
-        """Directions (K, 2), reflected."""
+        """Return the directions (K, 2) reflected."""
         return np.asarray(ways - 2.0 * (ways @ self.normal)[:, None] * self.normal)
 
     def reflect_shape(self, shape: Any) -> Any:
-        """A shapely geometry on the other side."""
+        """Return a shapely geometry reflected."""
         return shapely.transform(shape, self.reflect)
 
     def kept_half(self) -> Any:
-        """The half of the plane that is kept, as a polygon that reaches beyond every stage."""
+        """Return the kept half-plane, as a polygon that exceeds every stage."""
         far = 8.0 * FARTHEST
         a, b = self.point + self.along * far, self.point - self.along * far
         return shapely.Polygon([a, b, b + self.normal * far, a + self.normal * far])
 
 
 def symmetry_line(spec: FormationSpec, middle: tuple[float, float]) -> SymmetryLine | None:
-    """The symmetry line of a spec; PersonError if the side to keep does not fit the line."""
+    """Return the symmetry line of a spec; PersonError if the side to keep does not fit the line."""
     if spec.mirror is None:
         return None
     if spec.mirror == "left-right":
@@ -77,9 +77,9 @@ def symmetry_line(spec: FormationSpec, middle: tuple[float, float]) -> SymmetryL
 
 
 def half_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> tuple[list[Curve], list[Curve], Any]:
-    """The lines on the kept side, those on the symmetry line itself, and the kept half of the region.
+    """Return the lines on the kept side, those on the symmetry line itself, and the kept half of the region.
 
-    Ends that lie on the symmetry line have the gap HALF. PersonError if nothing lies on the kept side.
+    Ends on the symmetry line have the gap HALF. PersonError if nothing lies on the kept side.
     """
     half = line.kept_half()
     region = None if drawing.region is None else drawing.region.intersection(half)
@@ -124,10 +124,10 @@ def _halved(curve: Curve, line: SymmetryLine, on_axis: list[Any]) -> Curve:
 
 
 def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corners: bool) -> Float64:
-    """Where dancers can stand on the symmetry line itself, as many as leave an even number, shape (K, 2).
+    """Return places on the symmetry line itself, such that an even number of dancers remains, shape (K, 2).
 
-    One for an odd `count`, at a corner if there is one and else nearest the public; with `corners` as many corners as
-    parity allows.
+    One for an odd `count`, at a corner if there is one and else nearest to the public; with `corners` as many corners
+    as parity allows.
     """
     ends: list[tuple[bool, float, Float64]] = []
     for curve in curves:
@@ -151,7 +151,7 @@ def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corne
 
 
 def shared_ends(curve: Curve, places: Float64, shared: float) -> Curve:
-    """The line with the gap `shared` at ends where one of `places` (K, 2) is taken."""
+    """Return the line with the gap `shared` at ends that coincide with one of `places` (K, 2)."""
     if curve.closed or not len(places):
         return curve
     gaps = [

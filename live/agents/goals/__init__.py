@@ -1,1 +1,1 @@
-"""Goals are the places that agents go to, one after another. It may import what `agents` may."""
+"""Goals: target places and way points of agents. This package may import what `agents` may."""

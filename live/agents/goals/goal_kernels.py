@@ -1,4 +1,4 @@
-"""Kernels of goals: the velocity towards a place under two arrival laws, who is there, way points in turn."""
+"""Kernels of goals: velocity towards a target under two arrival laws, arrival check, and way points."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,20 +10,20 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 ARRIVE = 0
-"""Speed min(preferred, rate · d): full speed, then slower in proportion to what is left (Reynolds 1999, arrival)."""
+"""Speed min(preferred, rate · d): full speed, then proportional to the remaining distance (Reynolds 1999, arrival)."""
 ATTRACTOR = 1
 """Speed preferred · (1 - exp(-rate · d)): the attraction of T105, with the decay length 1 / rate."""
 
 _ONE = np.float32(1.0)
 _TINY = np.float32(1e-12)
-_FAR = np.float32(16.0)  # exp(-16) is nothing, in float32
+_FAR = np.float32(16.0)  # exp(-16) is negligible in float32
 _PIECE = np.float32(-1.0 / 32.0)
 _C2, _C3, _C4, _C5 = np.float32(1 / 2), np.float32(1 / 6), np.float32(1 / 24), np.float32(1 / 120)
 
 
 @part
 def attraction(x: np.float32) -> np.float32:
-    """1 - exp(-x) for x >= 0, within 2e-6: a series for exp(-x / 32), squared five times, which vectorises."""
+    """Return 1 - exp(-x) for x >= 0, within 2e-6: a series for exp(-x / 32), squared five times, which vectorises."""
     y = min(x, _FAR) * _PIECE
     e = _ONE + y * (_ONE + y * (_C2 + y * (_C3 + y * (_C4 + y * _C5))))
     e = e * e
@@ -46,18 +46,18 @@ def seek_goals(
     law: int,
     reach: float,
 ) -> int:
-    """Write everybody's velocity towards her target into columns 0 and 1 of `rows`; return how many are there.
+    """Write each agent's velocity towards its target into columns 0 and 1 of `rows`; return how many have arrived.
 
-    `rows` (A, 8) as in agents.wants; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` (A,) [1/m]
-    for ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the numbers of those within `reach` [m], in their order;
-    `factor` (A,) is scratch: what is written close together is vectorised, the wants of agents are not.
+    `rows` (A, 8) as in `Wants`; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` (A,) [1/m] for
+    ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the indices of agents within `reach` [m], ascending.
+    `factor` (A,) is scratch: contiguous writes are vectorised, writes to `rows` are not.
     """
     agents = position.shape[0]
     place, goal, wish = (
         position.ravel(),
         target.ravel(),
         rows.ravel(),
-    )  # flat views: LLVM does not know that rows hold 2
+    )  # flat views: LLVM cannot infer that rows have length 2
     reach32 = np.float32(reach)
     if law == ARRIVE:
         for i in range(agents):
@@ -85,7 +85,7 @@ def seek_goals(
 
 @kernel("b1(f8,f8,f8,f8,f8,f8,f8,f8)")
 def segments_cross(ax: float, az: float, bx: float, bz: float, cx: float, cz: float, dx: float, dz: float) -> bool:
-    """Whether the segments a-b and c-d meet; touching counts, running along each other does not."""
+    """Whether the segments a-b and c-d intersect; touching counts, collinear overlap does not."""
     c = (bx - ax) * (cz - az) - (bz - az) * (cx - ax)
     d = (bx - ax) * (dz - az) - (bz - az) * (dx - ax)
     a = (dx - cx) * (az - cz) - (dz - cz) * (ax - cx)
@@ -106,12 +106,12 @@ def pass_way_points(
     gate: float,
     last_rate: float,
 ) -> None:
-    """Move everybody who is at her way point, or past it, on to the next; write it into `target` (A, 2).
+    """Advance each agent at or past its way point to the next one; write it into `target` (A, 2).
 
-    `points` (P, 2) [m] holds all way points, those of agent i at start[i]:start[i + 1]; `at` (A,) which one is hers.
-    Nobody slows down for a point that is not her last: `rate` (A,) becomes `last_rate` when it is.
-    At it: within `reach` [m]. Past it: within `gate` [m], beyond the line through it across the way to the next, and
-    none of `walls` (W, 4) lies between her and the next; without this a crowd would turn back for a point in a door.
+    `points` (P, 2) [m] holds all way points, those of agent i at start[i]:start[i + 1]; `at` (A,) is the current index.
+    Agents slow down only for their last point: `rate` (A,) then becomes `last_rate`. At a point: within `reach` [m].
+    Past it: within `gate` [m], beyond the line through it perpendicular to the way to the next, and none of `walls` (W,
+    4) blocks the way to the next. Without this rule a crowd would turn back for a point in a door.
     """
     for i in range(position.shape[0]):
         last = start[i + 1] - 1

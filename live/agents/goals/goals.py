@@ -1,6 +1,6 @@
-"""Goals: where each agent is going, written as wants; way points are goals taken in order.
+"""Goals of the agents, written as steering commands; way points are goals taken in order.
 
-Giving way at goals: who is there, and stands in the way of those who are not, holds on to her place no longer.
+Agents at their goal give way if they block agents that have not arrived.
 """
 
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 APPROACH: Final = 1.0
-"""Speed per metre to go [1/s] near a goal, under ARRIVE."""
+"""Speed per metre of remaining distance [1/s] near a goal, under ARRIVE."""
 PASS: Final = 1e9
-"""The rate at which nobody slows down."""
+"""Rate at which agents do not slow down."""
 NO_WALLS: Final = np.zeros((0, 4))
 
 
@@ -32,7 +32,7 @@ class Goals:
     def __init__(
         self, target: npt.ArrayLike, preferred: float | Float64 | Float32, *, law: int = ARRIVE, rate: float = APPROACH
     ) -> None:
-        """`target` (A, 2) [m]; `preferred` speed [m/s], one number or (A,); `law` and `rate` as in kernels.py."""
+        """`target` (A, 2) [m]; `preferred` speed [m/s], one number or (A,); `law` and `rate` as in `goal_kernels`."""
         self.target: Float32 = np.array(target, np.float32, order="C").reshape(-1, 2)
         self.preferred: Float32 = np.zeros(len(self.target), np.float32)
         self.preferred[:] = preferred
@@ -42,9 +42,9 @@ class Goals:
         self._factor: Float32 = np.zeros(len(self.target), np.float32)
 
     def __call__(self, wants: Wants, position: Float32, reach: float = 0.3) -> Int32:
-        """Write `wants.velocity` for all; the numbers of the agents within `reach` [m] of their targets.
+        """Write `wants.velocity` for all; return the indices of the agents within `reach` [m] of their targets.
 
-        What is returned is a view that the next call overwrites.
+        The result is a view that the next call overwrites.
         """
         count = seek_goals(
             wants.rows, self._reached, self._factor, position, self.target, self.preferred, self.rate, self.law, reach
@@ -53,15 +53,15 @@ class Goals:
 
 
 class WayPoints:
-    """Ways of A agents, each through one or more points in order; the last one is where she stays."""
+    """Paths of A agents, each through one or more points in order; agents stay at the last one."""
 
     def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS, rate: float = APPROACH) -> None:
-        """`ways`: for each agent her points (K, 2) [m], K >= 1; `walls` (W, 4) [m] hide a next point behind them;
-        `rate`: how everybody slows down for her last point, as in `Goals`.
+        """`ways`: the points (K, 2) [m] of each agent, K >= 1; `walls` (W, 4) [m] block the way to a next point;
+        `rate`: slowing down for the last point, as in `Goals`.
         """
         points = [np.asarray(way, np.float64).reshape(-1, 2) for way in ways]
         if any(len(way) == 0 for way in points):
-            raise ValueError("every way needs a point")
+            raise ValueError("every path needs at least one point")
         self._points: Float64 = np.concatenate([np.zeros((0, 2)), *points])
         self._start: Int32 = np.concatenate([[0], np.cumsum([len(way) for way in points])]).astype(np.int32)
         self._walls: Float64 = np.ascontiguousarray(walls, np.float64)
@@ -70,28 +70,28 @@ class WayPoints:
 
     @property
     def current(self) -> Float64:
-        """Where everybody goes now [m], shape (A, 2)."""
+        """Current way point of each agent [m], shape (A, 2)."""
         return self._points[self.at]
 
     @property
     def last(self) -> Float64:
-        """Where everybody will stay [m], shape (A, 2)."""
+        """Last way point of each agent [m], shape (A, 2)."""
         return self._points[self._start[1:] - 1]
 
     @property
     def on_last(self) -> npt.NDArray[np.bool_]:
-        """Who is on the way to her last point, shape (A,)."""
+        """Whether each agent is on the way to its last point, shape (A,)."""
         there: npt.NDArray[np.bool_] = self.at == self._start[1:] - 1
         return there
 
     def begin(self, goals: Goals) -> None:
-        """Give everybody her first point as her goal; from now on `goals.rate` is kept, too."""
+        """Set each agent's first point as its goal; `goals.rate` is managed from now on, too."""
         self.at[:] = self._start[:-1]
         goals.target[:] = self.current
         goals.rate[:] = np.where(self.on_last, self._rate, PASS)
 
     def __call__(self, goals: Goals, position: Float32, reach: float, gate: float) -> None:
-        """Give those who are at, or past, a way point the next one as their goal (see `pass_way_points`)."""
+        """Set the next way point as goal for agents at or past the current one (see `pass_way_points`)."""
         pass_way_points(
             goals.target, goals.rate, self.at, position, self._points, self._start, self._walls, reach, gate, self._rate
         )
@@ -101,10 +101,9 @@ Bools = npt.NDArray[np.bool_]
 
 
 def who_gives_way(position: npt.NDArray[np.floating], arrived: Bools, near: float) -> Bools:
-    """Those of the `arrived` (A,) who stand in one throng with somebody who has not arrived, shape (A,).
+    """Return which of the `arrived` (A,) agents belong to a cluster with an agent that has not arrived, shape (A,).
 
-    A throng: everybody from whom one comes to everybody else by steps of at most `near` [m] from one to the next;
-    so those behind make room, too, for those in front, who could not else.
+    A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.
     """
     count = len(position)
     if count < 2 or arrived.all() or not arrived.any():

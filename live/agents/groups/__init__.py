@@ -1,1 +1,1 @@
-"""Groups say which dancers are meant: a roster, and expressions over it. It may import what `agents` may."""
+"""Groups: the roster and expressions that select dancers. This package may import what `agents` may."""

@@ -1,12 +1,10 @@
-"""The little language of groups: ``chorus & left - 1-4 + soloist`` becomes a tree (T104, T147).
+"""Parser and evaluator of group expressions such as ``chorus & left - 1-4 + soloist`` (T104, T147; Schulz 2011, 4.3.3).
 
 ::
 
-group = term { ("+" | "-") term }        with, without; from left to right
-term  = atom { "&" atom }                who is both
+group = term { ("+" | "-") term }        union, difference; left associative
+term  = atom { "&" atom }                intersection
 atom  = 7 | 3-7 | word | "(" group ")"   a dancer, dancers from-to, a name, attribute or place
-
-Selection: an expression, the dancers and where they stand now → who is meant (T104, Schulz 2011, 4.3.3).
 """
 
 import re
@@ -21,9 +19,9 @@ from live.agents.groups.roster import ALL_WORDS, PLACE_WORDS, Mask, Roster
 from live.base.errors import PersonError
 
 LONGEST = 400
-"""Characters an expression may have; what comes from the network is bounded by it."""
+"""Largest length of an expression in characters; limits input from the network."""
 DEEPEST = 20
-"""Brackets within brackets."""
+"""Largest nesting depth of brackets."""
 
 _TOKEN = re.compile(r"\s*(?:(\d{1,6})-(\d{1,6})(?!\w)|(\d{1,6})(?!\w)|([^\W\d]\w*(?:-\w+)*)|([-+&()]))", re.UNICODE)
 
@@ -38,14 +36,14 @@ class Numbers:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A group's name, an attribute, a place, or everyone."""
+    """Name of a group, an attribute, a place, or everyone."""
 
     word: str
 
 
 @dataclass(frozen=True, slots=True)
 class Combined:
-    """`left` with (+), without (-) or at the same time (&) `right`."""
+    """`left` united with (+), without (-) or intersected with (&) `right`."""
 
     sign: str
     left: "Expression"
@@ -86,7 +84,7 @@ class _Reader:
         return tokens
 
     def sign(self, allowed: str) -> str | None:
-        """The next sign if it is one of `allowed`; then it is taken."""
+        """Return and consume the next sign if it is one of `allowed`, else None."""
         if self._next < len(self._tokens):
             kind, text = self._tokens[self._next]
             if kind == "sign" and text in allowed:
@@ -115,7 +113,7 @@ class _Reader:
                 raise self.wrong("a bracket is not closed")
             return inner
         if self._next >= len(self._tokens):
-            raise self.wrong("something is missing at the end" if self._tokens else "says nothing")
+            raise self.wrong("something is missing at the end" if self._tokens else "is empty")
         kind, text = self._tokens[self._next]
         self._next += 1
         if kind == "numbers":
@@ -136,7 +134,7 @@ class _Reader:
 
 @lru_cache(maxsize=512)
 def parse(text: str) -> Expression:
-    """Read an expression; PersonError says what cannot be read."""
+    """Parse an expression; PersonError names the part that cannot be parsed."""
     if len(text) > LONGEST:
         raise PersonError(f"a group of {len(text)} characters", f"at most {LONGEST}; name parts of it")
     return _Reader(text).whole()
@@ -151,22 +149,22 @@ def selection(
     positions: Places | None = None,
     half: tuple[float, float] = (6.0, 4.0),
 ) -> Mask:
-    """Who is meant by `expression`, shape (A,).
+    """Return the dancers that match `expression`, shape (A,).
 
-    `positions` (A, 2) [m] is needed where the expression names places; `half` is half the stage's width and depth
-    [m]. Left is x < 0 and right the rest, back is z < 0 and front the rest, so halves cover everybody; centre is the
-    middle half both ways. An empty expression means everyone. A PersonError says what nobody is.
+    `positions` (A, 2) [m] is needed if the expression names places; `half` is half the stage's width and depth [m].
+    Left is x < 0 and right the rest, back is z < 0 and front the rest, so halves cover all dancers; centre is the
+    middle half in both directions. An empty expression means everyone. PersonError names a word that matches no dancer.
     """
     if not expression.strip():
         return np.ones(roster.count, np.bool_)
     whole = expression.strip()
-    if whole in roster.known or roster.having(whole).any():  # it is one name, which may hold blanks
+    if whole in roster.known or roster.having(whole).any():  # a single name, which may contain blanks
         return roster.having(whole)
     return _evaluate(parse(expression), roster, positions, half, ())
 
 
 def needs_places(expression: str, roster: Roster) -> bool:
-    """Whether who is meant depends on where the dancers stand."""
+    """Whether the result depends on the dancers' positions."""
     if not expression.strip():
         return False
     return _names_places(parse(expression), roster, ())
@@ -179,9 +177,9 @@ def divide(
     half: tuple[float, float] = (6.0, 4.0),
     within: Mask | None = None,
 ) -> list[Mask]:
-    """Divide `within` (A,) into `parts`: one mask for each, nobody in two (the first part that means her counts).
+    """Divide `within` (A,) into disjoint `parts`: one mask each; a dancer belongs to the first part that matches.
 
-    One mask more holds who is left over. Dividing a part again is calling this with the part as `within`.
+    One more mask holds the remaining dancers. To divide a part again, pass it as `within`.
     """
     left = np.ones(roster.count, np.bool_) if within is None else within.copy()
     masks: list[Mask] = []
@@ -234,7 +232,7 @@ def _expression_of(word: str, roster: Roster, inside: tuple[str, ...]) -> str:
 
 def _placed(word: str, positions: Places | None, half: tuple[float, float]) -> Mask:
     if positions is None:
-        raise PersonError(f"{word!r} means a place, and where the dancers stand is not known here")
+        raise PersonError(f"{word!r} means a place, and the dancers' positions are not known here")
     x, z = positions[:, 0], positions[:, 1]
     if word == "left":
         return np.asarray(x < 0.0)

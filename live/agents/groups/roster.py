@@ -1,6 +1,6 @@
-"""Roster: the dancers, what each of them is, and the groups that have a name (T104).
+"""Roster: the dancers of a show, their attributes, and named groups (T104).
 
-Relations between groups: the same motion mirrored about a line, or some beats later (T092, T104, T147).
+Relations between groups: the same motion mirrored about a line, or delayed by some beats (T092, T104, T147).
 """
 
 import math
@@ -13,29 +13,31 @@ import numpy.typing as npt
 Mask = npt.NDArray[np.bool_]
 
 PLACE_WORDS = ("left", "right", "front", "back", "centre", "center")
-"""Words that mean where a dancer stands at that moment, as the audience sees it, unless a group is called so."""
+"""Words for a dancer's current position, as the audience sees it, unless a group has this name."""
 ALL_WORDS = ("all", "everyone")
-"""Words that mean every dancer, unless a group is called so."""
+"""Words for every dancer, unless a group has this name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Roster:
-    """The dancers of a show, numbered from 1 for people: what is known of each, and named groups.
+    """The dancers of a show, numbered from 1 for people, their attributes, and named groups.
 
-    A group is an expression (see `selection`), so it can be divided and re-divided any number of times, and a group
-    by place is another one at every moment (T104, Schulz 2011, 4.3.3).
+    A group is an expression (see `selection`), so it can be divided repeatedly, and a group by place is evaluated at
+    every use (T104, Schulz 2011, 4.3.3).
     """
 
     attributes: tuple[frozenset[str], ...]
-    """The words each dancer is described by, in the order of their numbers; length A."""
+    """Attribute words of each dancer, in the order of their numbers; length A."""
     groups: Mapping[str, str] = field(default_factory=dict)
-    """Name of a group → expression that says who belongs to it."""
+    """Name of a group → expression that selects its dancers."""
     known: frozenset[str] = frozenset()
-    """Words that nobody has at present, but that mean something: nobody, then."""
+    """Valid words that no dancer has at present; they select none."""
 
     @staticmethod
     def of(count: int, attributes: Mapping[int, Sequence[str]] | None = None, **groups: str) -> "Roster":
-        """`count` dancers; `attributes` maps a dancer's number (from 1) to her words, `groups` names expressions."""
+        """Return a roster of `count` dancers; `attributes` maps a dancer's number (from 1) to words, `groups` names
+        expressions.
+        """
         words = attributes or {}
         return Roster(tuple(frozenset(words.get(number, ())) for number in range(1, count + 1)), groups)
 
@@ -45,11 +47,11 @@ class Roster:
         return len(self.attributes)
 
     def words(self) -> tuple[str, ...]:
-        """All attributes that anybody has, sorted."""
+        """Return all attributes in use, sorted."""
         return tuple(sorted({word for words in self.attributes for word in words}))
 
     def having(self, word: str) -> Mask:
-        """Who has this attribute, shape (A,)."""
+        """Whether each dancer has this attribute, shape (A,)."""
         return np.array([word in words for words in self.attributes], np.bool_)
 
 
@@ -58,9 +60,9 @@ Float64 = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line on the floor through (x, z) [m]; `heading` [rad] is where it points, 0 as everywhere the audience.
+    """A line on the floor through (x, z) [m]; `heading` [rad] is its direction, 0 towards the audience.
 
-    The middle line of the stage, which mirrors left and right, is ``Line()``.
+    The centre line of the stage, which mirrors left and right, is ``Line()``.
     """
 
     x: float = 0.0
@@ -69,7 +71,7 @@ class Line:
 
     @staticmethod
     def through(first: tuple[float, float], second: tuple[float, float]) -> "Line":
-        """The line through two points [m] that are not one."""
+        """Return the line through two distinct points [m]."""
         dx, dz = second[0] - first[0], second[1] - first[1]
         if math.hypot(dx, dz) < 1e-9:
             raise ValueError("a line needs two different points")
@@ -77,7 +79,7 @@ class Line:
 
 
 def mirrored(places: npt.ArrayLike, line: Line) -> Float64:
-    """Places (..., 2) [m] reflected in `line`."""
+    """Return places (..., 2) [m] reflected in `line`."""
     points = np.asarray(places, np.float64)
     along = np.array([math.sin(line.heading), math.cos(line.heading)])
     offset = points - np.array([line.x, line.z])
@@ -85,19 +87,19 @@ def mirrored(places: npt.ArrayLike, line: Line) -> Float64:
 
 
 def mirrored_heading(headings: npt.ArrayLike, line: Line) -> Float64:
-    """Headings (...) [rad] as the mirror shows them."""
+    """Return headings (...) [rad] reflected in `line`."""
     return np.asarray(2.0 * line.heading - np.asarray(headings, np.float64))
 
 
 def canon(groups: int, beats: float) -> tuple[float, ...]:
-    """Beats by which each of so many groups is later than the first: a canon at `beats`."""
+    """Return the delay in beats of each group relative to the first: a canon at `beats`."""
     return tuple(index * beats for index in range(groups))
 
 
 def partners(places: npt.ArrayLike, line: Line, *, within: float = 0.5) -> Sequence[tuple[int, int]]:
-    """Pairs of dancers (indices) of whom each stands where the mirror shows the other, at most `within` [m] off.
+    """Return pairs of dancers (indices) where each stands at the other's mirror image, at most `within` [m] off.
 
-    Nearest pairs first, nobody twice; ties go to the smaller numbers. Who stands on the line has no partner.
+    Nearest pairs first, each dancer once; ties go to the smaller numbers. A dancer on the line has no partner.
     """
     points = np.asarray(places, np.float64)
     distance = np.hypot(*np.moveaxis(points[:, None] - mirrored(points, line)[None, :], -1, 0))

@@ -202,8 +202,8 @@ def part_paths(
 
     `path`, `share`, `aimed` as in `walk_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and at the end
     `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `most` (A,) [m]: maximum
-    length of a correction. `lack` (A,) receives the largest missing distance [m] of each dancer before this round; `middle`,
-    `extent`, `cell_start` and `order` are scratch.
+    length of a correction. `lack` (A,) receives the largest missing distance [m] of each dancer before this round;
+    `middle`, `extent`, `cell_start` and `order` are scratch.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     span_paths(path, first, middle, extent)

@@ -16,7 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.live_recording import film_sound, film_writer
 from live.app.services.midi_service import play_file
 from live.app.session_audio import Sound, analysis_for, start_tempo
@@ -42,7 +42,7 @@ from live.show.status import Status, StatusFile
 
 
 def film_show(
-    wish: Wish,
+    options: LaunchOptions,
     loaded: LoadedShow,
     sound: Sound,
     *,
@@ -63,8 +63,8 @@ def film_show(
     `fine`: draw as on a graphics card even without one, which takes about five times as long per picture.
     `guides`: draw the operator's guides. An interrupted film is closed properly and plays up to there.
     """
-    tempo = start_tempo(wish, loaded, sound)
-    show = loaded.start(seed=wish.seed, tempo=tempo)
+    tempo = start_tempo(options, loaded, sound)
+    show = loaded.start(seed=options.seed, tempo=tempo)
     clock = ManualClock()
     inbox: Inbox[ControlEvent] = Inbox()
     status = Status(show, rejected=Counter, memory=resident_megabytes())
@@ -74,20 +74,20 @@ def film_show(
     if sound.music is not None:
         music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
     engine.guides = guides
-    play_file(wish.midi_file, show, engine)
-    frames = max(1, math.ceil(seconds * wish.film_fps))
+    play_file(options.midi_file, show, engine)
+    frames = max(1, math.ceil(seconds * options.film_fps))
     figures = FrameReport(show) if report is not None else None
     heard = film_sound(sound.music)
     mixed = mixed_sound(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, wish, loaded, fine, alpha=alpha)
+        target, renderer = canvas(stack, options, loaded, fine, alpha=alpha)
         writer = stack.enter_context(
             film_writer(
-                path, size=wish.size, fps=wish.film_fps, sound=heard if mixed is None else mixed.film, alpha=alpha
+                path, size=options.size, fps=options.film_fps, sound=heard if mixed is None else mixed.film, alpha=alpha
             )
         )
-        engine.journal = _journal(stack, wish, loaded, show, tempo, engine, sound.path)
-        lines = _status_file(stack, wish, status, clock)
+        engine.journal = _journal(stack, options, loaded, show, tempo, engine, sound.path)
+        lines = _status_file(stack, options, status, clock)
 
         def draw(view: StageView) -> None:
             renderer.draw(view, target.framebuffer)
@@ -96,7 +96,7 @@ def film_show(
         task = progress.add_task("", total=frames)
         try:
             for frame in range(frames):
-                now = frame / wish.film_fps
+                now = frame / options.film_fps
                 clock.set(now)
                 for event in [] if music is None else music.events_until(now):
                     inbox.put(event)
@@ -118,7 +118,7 @@ def film_show(
         except FilmError as error:
             raise PersonError(str(error)) from None
     if report is not None and figures is not None:
-        _write_report(report, figures.result() | {"status": status.snapshot(frames / wish.film_fps)})
+        _write_report(report, figures.result() | {"status": status.snapshot(frames / options.film_fps)})
 
 
 def mixed_sound(
@@ -137,7 +137,7 @@ def mixed_sound(
 
 
 def canvas(
-    stack: contextlib.ExitStack, wish: Wish, loaded: LoadedShow, fine: bool, *, alpha: bool = False
+    stack: contextlib.ExitStack, options: LaunchOptions, loaded: LoadedShow, fine: bool, *, alpha: bool = False
 ) -> tuple[OffscreenTarget, Renderer]:
     """Return render target and renderer, released with the stack; raise PersonError if the driver cannot draw this."""
     try:
@@ -146,10 +146,10 @@ def canvas(
         raise PersonError(str(error)) from None
     stack.callback(release_headless_context, ctx)
     try:
-        target = OffscreenTarget(ctx, wish.size, alpha=alpha)
+        target = OffscreenTarget(ctx, options.size, alpha=alpha)
         stack.callback(target.release)
         quality = CARD if fine and not alpha else None
-        renderer = Renderer(ctx, loaded.scene(), size=wish.size, quality=quality, patient=True, bare=alpha)
+        renderer = Renderer(ctx, loaded.scene(), size=options.size, quality=quality, patient=True, bare=alpha)
     except ValueError as error:
         raise PersonError(f"{error}") from None
     stack.callback(renderer.release)
@@ -158,30 +158,32 @@ def canvas(
 
 def _journal(
     stack: contextlib.ExitStack,
-    wish: Wish,
+    options: LaunchOptions,
     loaded: LoadedShow,
     show: Show,
     tempo: float | None,
     engine: Engine,
     music: Path | None,
 ) -> JournalWriter | None:
-    if wish.journal is None:
+    if options.journal is None:
         return None
     try:
-        journal = JournalWriter(wish.journal, loaded.header(show, tempo=tempo, music=music))
+        journal = JournalWriter(options.journal, loaded.header(show, tempo=tempo, music=music))
     except JournalError as error:
         raise PersonError(str(error)) from None
     stack.callback(lambda: journal.close(engine.ticks.index))
     return journal
 
 
-def _status_file(stack: contextlib.ExitStack, wish: Wish, status: Status, clock: ManualClock) -> StatusFile | None:
-    if wish.status_json is None:
+def _status_file(
+    stack: contextlib.ExitStack, options: LaunchOptions, status: Status, clock: ManualClock
+) -> StatusFile | None:
+    if options.status_json is None:
         return None
     try:
-        lines = StatusFile(wish.status_json, status)
+        lines = StatusFile(options.status_json, status)
     except OSError as error:
-        raise PersonError(f"cannot write --status-json {wish.status_json}: {error.strerror}") from None
+        raise PersonError(f"cannot write --status-json {options.status_json}: {error.strerror}") from None
     stack.callback(lambda: lines.close(clock.now()))
     return lines
 

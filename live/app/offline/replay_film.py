@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.live_recording import film_sound, film_writer
 from live.app.offline.film import canvas, mixed_sound, progress_bar
 from live.base.errors import PersonError
@@ -48,7 +48,9 @@ def film_replay(
     mixed = mixed_sound(loaded, show, heard, begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, Wish(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha)
+        target, renderer = canvas(
+            stack, LaunchOptions(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha
+        )
         sound = mixed.film if mixed is not None else _from(music, begin)
         writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
         progress = stack.enter_context(progress_bar(Console(stderr=True)))

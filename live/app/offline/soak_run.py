@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.session import Session
 from live.app.session_audio import Sound
 from live.base.errors import PersonError
@@ -81,11 +81,11 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
     """Run the soak; return the report and the journal's path. Growing frame times are a problem, late ones are not."""
     edits = Edits(plan.patch, folder / "patch", plan.seed)
     journal = folder / "journal.jsonl"
-    wish = Wish(
+    options = LaunchOptions(
         patch=str(edits.path), seed=plan.seed, osc=("127.0.0.1", 0), journal=journal, seconds=plan.hours * 3600.0,
         fps=plan.fps,
     )  # fmt: skip
-    session = Session(wish, wish.load(), Sound())
+    session = Session(options, options.load(), Sound())
     report, figures, failed = Report(plan), Figures(), dict(FAULTS.counts)
     with session.running():
         people = _People(session, plan, edits, report)

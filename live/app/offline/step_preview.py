@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.offline.step_listing import find_step, named_steps
 from live.app.session_audio import Sound
 from live.base.errors import PersonError
@@ -53,7 +53,7 @@ class Preview:
 
 
 @dataclass(frozen=True, slots=True)
-class PreviewWish(Wish):
+class PreviewOptions(LaunchOptions):
     """Launch options with a show that is made here instead of loaded."""
 
     show: LoadedShow | None = None
@@ -79,9 +79,9 @@ def play_step(preview: Preview) -> None:
     loaded = preview_show(step.name, [clip for _, clip in chosen], travelling=preview.travel)
     bpm = preview.tempo or chosen[0][1].bpm
     loop = max(clip.beats for _, clip in chosen) * 60.0 / bpm
-    wish = PreviewWish(
+    options = PreviewOptions(
         bpm=bpm, osc=("127.0.0.1", 0), seconds=preview.seconds, record=preview.film, size=preview.size,
-        fps=preview.fps, show=loaded,
+        fps=preview.fps, monitor=preview.monitor, fullscreen=preview.fullscreen, headless=preview.headless, show=loaded,
     )  # fmt: skip
     from live.app.headless_loop import play_show
     from live.render.window.monitors import list_monitors
@@ -92,13 +92,13 @@ def play_step(preview: Preview) -> None:
 
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop
-        film_show(wish, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
+        film_show(options, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
         console.print(f"the film is here: {preview.film.resolve()}", soft_wrap=True, markup=False)
         return
     if not preview.headless and not list_monitors():  # play_show then makes a film: name it after the step
         name = "".join(letter if letter.isalnum() else "-" for letter in step.name)
-        wish = replace(wish, record=Path(f"{name}.mp4"), seconds=preview.seconds or LOOPS * loop)
-    play_show(wish, monitor=preview.monitor, fullscreen=preview.fullscreen, headless=preview.headless)
+        options = replace(options, record=Path(f"{name}.mp4"), seconds=preview.seconds or LOOPS * loop)
+    play_show(options)
 
 
 def _chosen(clips: list[StepClip], variation: int | None) -> list[tuple[int, StepClip]]:

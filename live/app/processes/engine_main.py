@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Final
 from rich.console import Console
 
 from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
-from live.app.launch_options import Played
+from live.app.launch_options import LaunchOptions
 from live.app.systemd_unit import check_name
 from live.base.errors import PersonError
 from live.base.native_stderr import outlive_terminals
@@ -44,18 +44,18 @@ BEGINNERS: Final = ("engine", "standby")
 def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
     """Run in the role that the supervisor assigns. `loaded`, `show`: inherited from the prefork process, if any."""
     brief = lifeline.brief()
-    played = Played.unpacked(brief.show)
+    options = LaunchOptions.decode(brief.show)
     console = Console(stderr=True, highlight=False)
     if brief.role == "nursery":
         from live.app.processes.warm_standby import be_born
 
-        here, loaded, show = be_born(played, lifeline, console)
+        here, loaded, show = be_born(options, lifeline, console)
         if here is not None:
             end_cleanly()
             play(here, loaded, show)
         return
     try:
-        _play(brief.role, played, lifeline, loaded, show, console)
+        _play(brief.role, options, lifeline, loaded, show, console)
     except PersonError:
         if brief.role in BEGINNERS:  # the command line is wrong, not a running show: no restart
             lifeline.tell_end(EXIT_PERSON_ERROR)
@@ -64,27 +64,26 @@ def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | N
 
 
 def _play(
-    role: str, played: Played, lifeline: Lifeline, loaded: "LoadedShow | None", show: "Show | None", console: Console
+    role: str,
+    options: LaunchOptions,
+    lifeline: Lifeline,
+    loaded: "LoadedShow | None",
+    show: "Show | None",
+    console: Console,
 ) -> None:
     if role == "engine":
         from live.app.headless_loop import play_show
 
         come_forward(ENGINE_NICE)
-        play_show(
-            played.wish,
-            monitor=played.monitor,
-            fullscreen=played.fullscreen,
-            headless=played.headless,
-            lifeline=lifeline,
-        )
+        play_show(options, lifeline=lifeline)
     elif role == "standby":
         from live.app.processes.remote_standby import stand_by
 
-        stand_by(played, lifeline, console)
+        stand_by(options, lifeline, console)
     else:
         from live.app.processes.warm_standby import take_over
 
-        take_over(played, lifeline, loaded, show, waits=role == "spare", console=console)
+        take_over(options, lifeline, loaded, show, waits=role == "spare", console=console)
 
 
 def main() -> None:
@@ -119,24 +118,25 @@ SECRET: Final = ("web_key", "audience_secret")
 """Options that are generated at each start."""
 
 
-def is_supervised(played: Played, *, alone: bool, machines: bool) -> bool:
+def is_supervised(options: LaunchOptions) -> bool:
     """Whether to supervise this show: on a screen or headless, and not shorter than `SHORT`.
 
-    Films are made by one process, because a standby cannot continue half a film. `machines`: other machines follow
-    this one, or it follows another; raise PersonError if that is not possible.
+    Films are made by one process, because a standby cannot continue half a film. Raise PersonError where the show
+    has to follow another machine, or to be followed by one, and cannot be supervised.
     """
-    wish = played.wish
-    screen = played.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    able = sys.platform == "linux" and screen and wish.record is None and wish.shaders is None and not alone
+    machines = options.lead is not None or options.standby is not None
+    screen = options.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    able = sys.platform == "linux" and screen and options.record is None and options.shaders is None
+    able = able and not options.alone
     if machines and not able:
         raise PersonError(
             "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
         )
-    short = wish.seconds is not None and wish.seconds < SHORT
+    short = options.seconds is not None and options.seconds < SHORT
     return able and (machines or not short)
 
 
-def supervise(played: Played, *, lead: str | None, standby: str | None, service: str | None = None) -> None:
+def supervise(options: LaunchOptions) -> None:
     """Run the show under a supervisor; exit with the engine's exit code."""
     from live.control.osc.osc_server import CannotListen
 
@@ -145,9 +145,10 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     def say(line: str) -> None:
         console.print(f"note: {line}", style="yellow", soft_wrap=True, markup=False)
 
+    lead, standby, service = options.lead, options.standby, options.service
     if service is not None:
         check_name(service)
-    label = show_label(played, lead, standby, service)
+    label = show_label(options)
     adoption, hung = None, False
     try:
         adoption = _found(label, say)
@@ -163,23 +164,23 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
     identity, pairings = _network(leads_at, follows)
     leads = None if leads_at is None else _listening(*leads_at)
     try:
-        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bound(*played.wish.osc, hung)
+        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bound(*options.osc, hung)
     except CannotListen as error:
         if service is None:
             raise PersonError(str(error)) from None
         say(f"{error}")  # ending processes of the show before may still hold the port: systemd tries again
         raise SystemExit(1) from None
     python = [sys.executable, "-m"]
-    silent = played.wish.audio is None and (played.wish.bpm is not None or played.wish.practises)
+    silent = options.audio is None and (options.bpm is not None or options.is_practice)
     orders = Orders(
         engine=[*python, *ENGINE],
-        show=played.packed() if adoption is None else adoption.show,
+        show=options.encode() if adoption is None else adoption.show,
         audio=[] if silent else [*python, "live.app.processes.audio_main"],
-        guard=() if played.headless else [*python, "live.app.processes.fallback_window_main"],
-        screen=(played.fullscreen, played.monitor),
+        guard=() if options.headless else [*python, "live.app.processes.fallback_window_main"],
+        screen=(options.fullscreen, options.monitor),
         osc=osc,
-        osc_reader=[*python, "live.app.processes.osc_reader_main"] if played.wish.osc_process else (),
-        journal=played.wish.journal,
+        osc_reader=[*python, "live.app.processes.osc_reader_main"] if options.osc_process else (),
+        journal=options.journal,
         lead=leads,
         identity=identity,
         pairings=pairings,
@@ -187,7 +188,7 @@ def supervise(played: Played, *, lead: str | None, standby: str | None, service:
         budget=int(SHARE * _memory()),
         label=label,
     )
-    left, journal = None, played.wish.journal
+    left, journal = None, options.journal
     if (service is not None or hung) and adoption is None and journal is not None and standby is None:
         left = cut_off(journal)
     supervisor = Supervisor(orders, say, adoption, left)
@@ -229,12 +230,11 @@ def service_label(name: str) -> str:
     return f"service-{name}."
 
 
-def show_label(played: Played, lead: str | None, standby: str | None, service: str | None) -> str:
+def show_label(options: LaunchOptions) -> str:
     """Return the label by which this show's engine is found: the same command in the same folder is the same show."""
-    wish = {name: value for name, value in asdict(played.wish).items() if name not in SECRET}
-    picture = (played.monitor, played.fullscreen, played.headless)
-    words = json.dumps([os.getcwd(), wish, picture, lead, standby], sort_keys=True, default=str)
-    begin = "play." if service is None else service_label(service)
+    table = {name: value for name, value in asdict(options).items() if name not in SECRET}
+    words = json.dumps([os.getcwd(), table], sort_keys=True, default=str)
+    begin = "play." if options.service is None else service_label(options.service)
     return begin + hashlib.sha256(words.encode()).hexdigest()[:16]
 
 

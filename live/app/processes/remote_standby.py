@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from live.app.kernel_warmup import warm_kernels
-from live.app.launch_options import Played
+from live.app.launch_options import LaunchOptions
 from live.app.processes.standby_output import StandbyOutput, status_can_be_written
 from live.app.processes.warm_standby import go_on, sound_of
 from live.base.errors import PersonError
@@ -28,22 +28,22 @@ RATE = 30.0
 """Pictures per second while another machine leads."""
 
 
-def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
+def stand_by(options: LaunchOptions, lifeline: Lifeline, console: Console) -> None:
     """Follow the leader until the order to take over, then resume the show here."""
     warm_kernels(console)
-    loaded = played.wish.load()
-    venue = played.wish.read_venue()
-    sound = sound_of(played, loaded, venue)
-    status_can_be_written(played)
-    output = StandbyOutput(played, loaded, venue, sound, lifeline)
+    loaded = options.load()
+    venue = options.read_venue()
+    sound = sound_of(options, loaded, venue)
+    status_can_be_written(options)
+    output = StandbyOutput(options, loaded, venue, sound, lifeline)
     try:
-        order, following = _follow(loaded, lifeline, played, output)
+        order, following = _follow(loaded, lifeline, options, output)
         if order is None:
             return
         output.hand_over()
         come_forward(ENGINE_NICE)
         go_on(
-            played, loaded, venue, sound, lifeline, following, output.window, order, console, elsewhere=True,
+            options, loaded, venue, sound, lifeline, following, output.window, order, console, elsewhere=True,
             headless=output.headless, sharing=output.sharing,
         )  # fmt: skip
     finally:
@@ -51,10 +51,10 @@ def stand_by(played: Played, lifeline: Lifeline, console: Console) -> None:
 
 
 @contextlib.contextmanager
-def _listening(lifeline: Lifeline, played: Played) -> Iterator[Inbox[ControlEvent]]:
+def _listening(lifeline: Lifeline, options: LaunchOptions) -> Iterator[Inbox[ControlEvent]]:
     """Receive OSC; only /dance/takeover is used here."""
     inbox: Inbox[ControlEvent] = Inbox()
-    osc = OscInput(*played.wish.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
+    osc = OscInput(*options.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
     osc.start()
     try:
         yield inbox
@@ -75,12 +75,12 @@ def follow(following: Following) -> None:
 
 
 def _follow(
-    loaded: LoadedShow, lifeline: Lifeline, played: Played, output: StandbyOutput
+    loaded: LoadedShow, lifeline: Lifeline, options: LaunchOptions, output: StandbyOutput
 ) -> tuple[dict[str, Any] | None, Following]:
     """Follow and draw the leader's show until the order to take over; None if there will be no order."""
     pacer = Pacer(RATE, time.perf_counter, time.sleep)
     following = Following(loaded, heart=lifeline.heart)
-    with _listening(lifeline, played) as inbox:
+    with _listening(lifeline, options) as inbox:
         while not nobody_left(lifeline):
             lifeline.listen()
             while lifeline.order("anew") is not None:

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from live.app.headless_picture import HeadlessPicture
-from live.app.launch_options import Played
+from live.app.launch_options import LaunchOptions
 from live.app.live_recording import LiveSharing, live_rate
 from live.app.processes.warm_standby import open_picture
 from live.app.session_audio import Sound
@@ -26,11 +26,11 @@ class StandbyOutput:
     """Draws, shares and reports the followed show. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(
-        self, played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline
+        self, options: LaunchOptions, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline
     ) -> None:
         """Make everything that will be needed; raise PersonError if something fails."""
-        self._wish, self._lifeline = played.wish, lifeline
-        self.window: Any = open_picture(played, loaded, venue, hidden=False)
+        self._options, self._lifeline = options, lifeline
+        self.window: Any = open_picture(options, loaded, venue, hidden=False)
         self.headless: HeadlessPicture | None = None
         self.sharing: LiveSharing | None = None
         self._show: Show | None = None
@@ -39,9 +39,9 @@ class StandbyOutput:
         self._file: StatusFile | None = None
         self._wrote = self._drawn = False
         try:
-            if self.window is None and self._wish.share:
-                self.headless = HeadlessPicture(self._wish, loaded.scene(whole=False))
-            if self._wish.share:
+            if self.window is None and self._options.share:
+                self.headless = HeadlessPicture(self._options, loaded.scene(whole=False))
+            if self._options.share:
                 self._share(sound)
         except BaseException:
             self.close(Console(stderr=True))
@@ -53,8 +53,8 @@ class StandbyOutput:
             self.window.prepare_shown()
         else:
             assert self.headless is not None
-            ctx, size = self.headless.ctx, self._wish.size
-        self.sharing = LiveSharing(self._wish.share, ctx, size, live_rate(self._wish, ctx), sound.music)
+            ctx, size = self.headless.ctx, self._options.size
+        self.sharing = LiveSharing(self._options.share, ctx, size, live_rate(self._options, ctx), sound.music)
 
     @property
     def draws(self) -> bool:
@@ -95,14 +95,14 @@ class StandbyOutput:
         """Start output for another show object: the leader has changed or restarted."""
         self._show, self._view = show, show.view()
         self._end_status()
-        if self._wish.status_json is None:
+        if self._options.status_json is None:
             return
         status = Status(show, rejected=Counter, memory=resident_megabytes())
         status.more["alive"] = self._lifeline.status
         if self.sharing is not None:
             status.more["shared"] = self.sharing.facts
         with contextlib.suppress(OSError):  # the folder has been removed since; the show does not need it
-            self._status, self._file = status, StatusFile(self._wish.status_json, status, more=self._wrote)
+            self._status, self._file = status, StatusFile(self._options.status_json, status, more=self._wrote)
             self._wrote = True
 
     def _end_status(self) -> None:
@@ -127,9 +127,9 @@ class StandbyOutput:
             self.window.close()
 
 
-def status_can_be_written(played: Played) -> None:
+def status_can_be_written(options: LaunchOptions) -> None:
     """Raise PersonError if the status file cannot be written."""
-    path = played.wish.status_json
+    path = options.status_json
     if path is None:
         return
     try:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from live.app.kernel_warmup import warm_kernels
-from live.app.launch_options import Played
+from live.app.launch_options import LaunchOptions
 from live.app.processes.resume_state import Resumed
 from live.app.session import Session
 from live.app.session_audio import Sound, choose_sound
@@ -41,8 +41,8 @@ PATIENCE = 0.5
 
 
 def take_over(
-    played: Played, lifeline: Lifeline, loaded: LoadedShow | None = None, show: Show | None = None, *, waits: bool,
-    console: Console,
+    options: LaunchOptions, lifeline: Lifeline, loaded: LoadedShow | None = None, show: Show | None = None, *,
+    waits: bool, console: Console,
 ) -> None:  # fmt: skip
     """Prepare, follow the show until the order to take over, then resume it.
 
@@ -51,12 +51,12 @@ def take_over(
     processors = stand_back() if waits else frozenset()
     if loaded is None:
         warm_kernels(console)
-        loaded = played.wish.load(whole=False)
-    venue = played.wish.read_venue()
-    sound = sound_of(played, loaded, venue)
+        loaded = options.load(whole=False)
+    venue = options.read_venue()
+    sound = sound_of(options, loaded, venue)
     picture = None
     try:
-        picture = open_picture(played, loaded, venue, hidden=True, show=show)
+        picture = open_picture(options, loaded, venue, hidden=True, show=show)
     except Exception as error:  # driver lost: show, lights and audio run without a picture
         lifeline.tell_note(f"no picture: {in_words(error)}")
     try:
@@ -64,15 +64,15 @@ def take_over(
         if order is None:
             return
         come_forward(ENGINE_NICE, processors)
-        go_on(played, loaded, venue, sound, lifeline, following, picture, order, console)
+        go_on(options, loaded, venue, sound, lifeline, following, picture, order, console)
     finally:
         if picture is not None:
             picture.close()
 
 
 def go_on(
-    played: Played, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline, following: Following,
-    picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
+    options: LaunchOptions, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline,
+    following: Following, picture: Any, order: dict[str, Any], console: Console, *, elsewhere: bool = False,
     headless: "HeadlessPicture | None" = None, sharing: "LiveSharing | None" = None,
 ) -> None:  # fmt: skip
     """Resume the followed show where it ended.
@@ -81,7 +81,7 @@ def go_on(
     """
     calm, death = bool(order["calm"]), order["death"]
     if death.get("plain"):
-        played = replace(played, wish=replace(played.wish, quality=LOWEST))
+        options = replace(options, quality=LOWEST)
     recovered = Recovery(following, Death.of(death)).run()
     show = recovered.show
     for line in recovered.lines:
@@ -94,7 +94,7 @@ def go_on(
     resumed = Resumed(
         show, following.tick, origin, following.latencies, calm, elsewhere=elsewhere, begun=following.begun
     )  # fmt: skip
-    session = Session(played.wish, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
+    session = Session(options, loaded, Sound() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
     if calm:
         session.inbox.put(ChooseSource(time=session.clock.now(), source="supervisor", name="internal"))
     scene = loaded.scene(whole=False)
@@ -128,16 +128,16 @@ def _follow(loaded: LoadedShow, lifeline: Lifeline) -> tuple[dict[str, Any] | No
             lifeline.wait(PATIENCE)
 
 
-def sound_of(played: Played, loaded: LoadedShow, venue: Venue | None) -> Sound:
+def sound_of(options: LaunchOptions, loaded: LoadedShow, venue: Venue | None) -> Sound:
     """Return the show's audio source; no source if it is not available any more."""
     try:
-        return choose_sound(played.wish, loaded, venue)
+        return choose_sound(options, loaded, venue)
     except PersonError:
         return Sound()
 
 
 def open_picture(
-    played: Played, loaded: LoadedShow, venue: Venue | None, *, hidden: bool, show: Show | None = None
+    options: LaunchOptions, loaded: LoadedShow, venue: Venue | None, *, hidden: bool, show: Show | None = None
 ) -> Any:
     """Open the windows and warm up the renderer; return None for a show without a picture.
 
@@ -145,24 +145,24 @@ def open_picture(
     """
     from live.render.window.monitors import list_monitors
 
-    if played.headless or not list_monitors():
+    if options.headless or not list_monitors():
         return None
     from live.app.headless_loop import find_screen
     from live.app.window_loop import Picture
 
     scene = loaded.scene(whole=False)
     try:
-        monitor = find_screen(played.monitor)
+        monitor = find_screen(options.monitor)
     except PersonError:  # unplugged since: use any other one
         monitor = None
     picture = Picture.opened(
-        played.wish, scene, monitor=monitor, fullscreen=played.fullscreen, hidden=hidden, venue=venue,
+        options, scene, monitor=monitor, fullscreen=options.fullscreen, hidden=hidden, venue=venue,
     )  # fmt: skip
-    picture.rehearse(show or loaded.start(seed=played.wish.seed))
+    picture.rehearse(show or loaded.start(seed=options.seed))
     return picture
 
 
-def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow, Show]:
+def be_born(options: LaunchOptions, nursery: Lifeline, console: Console) -> tuple[Lifeline | None, LoadedShow, Show]:
     """Load everything while a show runs, then fork engines on request.
 
     Return in each of them, with its own lifeline and a show for the renderer's warm-up. The prefork process itself
@@ -170,9 +170,9 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
     """
     processors = stand_back()
     warm_kernels(console)
-    for name in ("headless_loop", *(() if played.headless else ("window_loop",))):
+    for name in ("headless_loop", *(() if options.headless else ("window_loop",))):
         importlib.import_module(f"live.app.{name}")  # imports all that a standby needs
-    if not played.headless:
+    if not options.headless:
         from live.render.body.body_mesh import COARSE, FINE, LIGHT, build_body
         from live.render.window.monitors import load_glfw
 
@@ -180,8 +180,8 @@ def be_born(played: Played, nursery: Lifeline, console: Console) -> tuple[Lifeli
             load_glfw()
         for level in (COARSE, LIGHT, FINE):
             build_body(level)
-    loaded = played.wish.load(whole=False)
-    show = loaded.start(seed=played.wish.seed)  # fills the values cached in the graph
+    loaded = options.load(whole=False)
+    show = loaded.start(seed=options.seed)  # fills the values cached in the graph
     come_forward(0, processors)
     gc.collect()
     gc.freeze()

@@ -27,7 +27,7 @@ from live.show.venue.venue import Venue
 from live.show.venue.venue_audience import VenueAudience
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 BEAT_EVERY: Final = 1.0
 """Longest interval [s] between beats sent to the gateway; a beat that slips is sent at once."""
@@ -42,14 +42,14 @@ class AudiencePart:
     """Connects the show to the gateway process for phones. Thread: the show's."""
 
     def __init__(
-        self, wish: "Wish", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
+        self, options: "LaunchOptions", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
     ) -> None:
-        assert wish.audience is not None
-        self._wish, self._venue = wish, VenueAudience() if venue is None else venue.audience
+        assert options.audience is not None
+        self._options, self._venue = options, VenueAudience() if venue is None else venue.audience
         self._identity: Identity | None = None
         self._expires = math.inf
         self._crowd_told = False
-        self._where, self._wished_link, self._secret = wish.audience, wish.audience_link, wish.audience_secret
+        self._where, self._wished_link, self._secret = options.audience, options.audience_link, options.audience_secret
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
         self._helper: Helper | None = None
@@ -101,7 +101,7 @@ class AudiencePart:
 
     def _take_identity(self) -> None:
         """Read the certificate, if there is one, and print its warnings; raise PersonError if it is invalid."""
-        files = tls_files(self._wish, self._venue)
+        files = tls_files(self._options, self._venue)
         if files is None:
             return
         self._identity = identity = read_identity(*files)
@@ -282,13 +282,13 @@ def network_of(section: AudienceSection, *, public: bool) -> str:
     return BEHIND_NAT if section.phones_per_address >= section.phones or not public else OWN_WIFI
 
 
-def tls_files(wish: "Wish", venue: VenueAudience) -> tuple[Path, Path] | None:
+def tls_files(options: "LaunchOptions", venue: VenueAudience) -> tuple[Path, Path] | None:
     """Return certificate and key from the command line or the venue (relative to its file); None for http."""
-    return files_of(venue, wish.venue) if wish.audience_tls is None else wish.audience_tls
+    return files_of(venue, options.venue) if options.audience_tls is None else options.audience_tls
 
 
 def make_audience(
-    wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
+    options: "LaunchOptions", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
 ) -> AudiencePart | None:
     """Return the service for `--audience`, not started; None if there is to be none."""
-    return None if wish.audience is None else AudiencePart(wish, show, lane, clock, venue)
+    return None if options.audience is None else AudiencePart(options, show, lane, clock, venue)

@@ -18,7 +18,7 @@ from live.show.show import Show
 from live.show.venue.venue import Venue
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 
 def parse_psn(text: str, name: str = "--psn") -> tuple[str, int, str]:
@@ -63,10 +63,10 @@ class PsnPart:
         return {"at": self._words, **self._input.facts()}
 
 
-def make_psn(wish: "Wish", venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> PsnPart | None:
+def make_psn(options: "LaunchOptions", venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> PsnPart | None:
     """Return the service for `--psn` or the venue's trackers, not started; None if there is to be none."""
     named = None if venue is None or venue.psn.at is None else parse_psn(venue.psn.at, "[psn] at")
-    wanted = named if wish.psn is None else parse_psn(wish.psn)
+    wanted = named if options.psn is None else parse_psn(options.psn)
     return None if wanted is None else PsnPart(*wanted, lane, clock)
 
 
@@ -113,8 +113,10 @@ def seats_of(patch: Patch) -> tuple[Seat, ...]:
     return tuple(Seat(each.name, each.port, each.sender, each.floor) for each in patch.mocap)
 
 
-def make_vmc(wish: "Wish", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock) -> VmcPart | None:
+def make_vmc(
+    options: "LaunchOptions", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
+) -> VmcPart | None:
     """Return the service for `--vmc` or the venue's ports, not started; None if there is to be none."""
     named = () if venue is None else venue.vmc.at
-    endpoints = wish.vmc or tuple(parse_endpoint(with_port(each, 39539), "[vmc] at") for each in named)
+    endpoints = options.vmc or tuple(parse_endpoint(with_port(each, 39539), "[vmc] at") for each in named)
     return VmcPart(endpoints, show, lane, clock) if endpoints else None

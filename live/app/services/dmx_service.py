@@ -15,7 +15,7 @@ from live.show.engine import Engine
 from live.show.telemetry import Outgoing
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 AT_ONCE: Final = 64
 """Maximum number of values in one packet."""
@@ -96,6 +96,6 @@ class DmxPart:
         return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
 
 
-def make_dmx(wish: "Wish", clock: Clock, engine: Engine) -> DmxPart | None:
+def make_dmx(options: "LaunchOptions", clock: Clock, engine: Engine) -> DmxPart | None:
     """Return the service for `--dmx`, not started; None if there is to be none."""
-    return DmxPart(engine, tuple(map(parse_universe, wish.dmx)), clock) if wish.dmx else None
+    return DmxPart(engine, tuple(map(parse_universe, options.dmx)), clock) if options.dmx else None

@@ -29,7 +29,7 @@ from live.show.show import Show
 from live.show.venue.venue import Venue, VenueMidi
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 
 OFF: Final = "off"
@@ -160,7 +160,7 @@ class OnMidi:
 
 
 def make_midi(
-    wish: "Wish", show: Show, venue: Venue | None, inbox: Inbox[ControlEvent], clock: Clock, patch: Path
+    options: "LaunchOptions", show: Show, venue: Venue | None, inbox: Inbox[ControlEvent], clock: Clock, patch: Path
 ) -> OnMidi:
     """Return the service for `--midi`, `--midi-out` and `--midi-clock-out`, the venue or the patch, not started.
 
@@ -169,9 +169,9 @@ def make_midi(
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
-    source = _named("input", "--midi", wish.midi, of_venue.input, section.input)
-    told = _named("output", "--midi-out", wish.midi_out, of_venue.output, section.output)
-    target = _named("output", "--midi-clock-out", wish.midi_clock_out, of_venue.clock_out, section.clock_out)
+    source = _named("input", "--midi", options.midi, of_venue.input, section.input)
+    told = _named("output", "--midi-out", options.midi_out, of_venue.output, section.output)
+    target = _named("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
     metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
     values = Values()
     midi_map = MidiMap(section.bindings, values)
@@ -188,8 +188,8 @@ def make_midi(
                 beats_per_measure=metre,
             ),
             midi_map=midi_map,
-            notes=None if wish.midi_file is not None else NoteEnergy(tempo=tempo),
-            clocked=wish.midi_file is None,  # else the file leads
+            notes=None if options.midi_file is not None else NoteEnergy(tempo=tempo),
+            clocked=options.midi_file is None,  # else the file leads
         )
     return OnMidi(
         show,
@@ -223,7 +223,7 @@ class MidiFilePart:
     """Plays a MIDI file into a show, live or offline: tempo map and notes. Thread: the show's."""
 
     def __init__(self, path: Path, show: Show, engine: Engine, *, begun: int = 0) -> None:
-        """`begun`: the last tick before the show is resumed. Raise PersonError for a file that cannot be played."""
+        """`begun`: the last tick before the show is resumed. Raise PersonError for a file that cannot be options."""
         self._show = show
         song = read_song(path)
         self._player = MidiSongPlayer(song, _bindings(show.patch), beats_per_measure=show.timeline.beats_per_measure)

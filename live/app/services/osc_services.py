@@ -4,7 +4,7 @@ from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.option_values import parse_endpoint
 from live.base.errors import PersonError
 from live.base.event_queue import Inbox, Lane
@@ -23,21 +23,23 @@ from live.show.venue.venue import Venue
 from live.supervisor.supervisor_link import Lifeline
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 
 class OperatorsPort:
     """OSC input for all commands, in this process or in a separate one. Thread: the show's."""
 
-    def __init__(self, wish: Wish, inbox: Inbox[ControlEvent], clock: Clock, lifeline: Lifeline | None) -> None:
+    def __init__(
+        self, options: LaunchOptions, inbox: Inbox[ControlEvent], clock: Clock, lifeline: Lifeline | None
+    ) -> None:
         """Bind nothing yet; a socket held by the supervisor is inherited."""
         operators = partial(inbox.lane, rank=RANKS["operator"])
         lane, inherited = operators(), None if lifeline is None else lifeline.osc
         reader = None if lifeline is None else lifeline.osc_reader
         self._osc: OscInput | OscRemote = (
-            OscRemote(*wish.osc, lane, clock, inherited=inherited, reader=reader)
-            if wish.osc_process
-            else OscInput(*wish.osc, lane, clock, inherited=inherited, more=operators)
+            OscRemote(*options.osc, lane, clock, inherited=inherited, reader=reader)
+            if options.osc_process
+            else OscInput(*options.osc, lane, clock, inherited=inherited, more=operators)
         )
 
     def start(self) -> None:
@@ -156,11 +158,13 @@ class OscOutPart:
         return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
 
 
-def make_osc_out(wish: "Wish", show: Show, venue: Venue | None, clock: Clock, engine: Engine) -> OscOutPart | None:
+def make_osc_out(
+    options: "LaunchOptions", show: Show, venue: Venue | None, clock: Clock, engine: Engine
+) -> OscOutPart | None:
     """Return the service for `--osc-out`, the venue or the patch, not started; None if there is to be none."""
     section = show.patch.osc
     named = section.out if venue is None or not venue.osc.out else venue.osc.out
-    targets = wish.osc_out or tuple(parse_endpoint(each, "[osc] out") for each in named)
+    targets = options.osc_out or tuple(parse_endpoint(each, "[osc] out") for each in named)
     if not targets:
         return None
     outgoing = Outgoing(show, positions=section.positions_per_second, feet=section.feet)

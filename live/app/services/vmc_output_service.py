@@ -14,7 +14,7 @@ from live.show.engine import Engine
 from live.show.show import Show
 
 if TYPE_CHECKING:
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
 
 LOOK_EVERY: Final = 1.0
 """Interval [s] at which selections of dancers are resolved again: groups change, dancers enter and leave."""
@@ -94,7 +94,7 @@ class VmcOutPart:
         return {"to": to, **self._helper.facts()}
 
 
-def make_vmc_out(wish: "Wish", clock: Clock, engine: Engine) -> VmcOutPart | None:
+def make_vmc_out(options: "LaunchOptions", clock: Clock, engine: Engine) -> VmcOutPart | None:
     """Return the service for `--vmc-out`, not started; None if there is to be none."""
-    wanted = tuple(parse_avatars(each) for each in wish.vmc_out)
+    wanted = tuple(parse_avatars(each) for each in options.vmc_out)
     return VmcOutPart(engine, wanted, clock) if wanted else None

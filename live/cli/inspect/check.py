@@ -32,13 +32,13 @@ def check(
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.app.session_audio import choose_sound
     from live.rehearse.lint import all_doubts
 
-    wish = Wish(patch=patch, steps=steps, venue=venue)
-    hall = wish.read_venue()
-    loaded = wish.load()
+    options = LaunchOptions(patch=patch, steps=steps, venue=venue)
+    hall = options.read_venue()
+    loaded = options.load()
     show = loaded.start()
     if venue is not None or as_json:
         from live.app.option_values import parse_endpoint
@@ -46,7 +46,7 @@ def check(
 
         _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return
-    choose_sound(wish, loaded)
+    choose_sound(options, loaded)
     loaded.scene()
     library, graph = loaded.graph.library, loaded.graph
     console = Console(highlight=False)

@@ -50,18 +50,18 @@ def contact_sheet(
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before anything is imported that has kernels
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.app.offline.film import canvas
     from live.app.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
 
     size = (width, round(width * 9 / 16))
-    wish = Wish(patch=show, seed=seed, size=size)
+    options = LaunchOptions(patch=show, seed=seed, size=size)
     journal = Path(show).is_file() and Path(show).suffix.lower() != ".toml"
-    loaded, moments = _of_journal(Path(show), every) if journal else _of_patch(wish, seconds, every)
+    loaded, moments = _of_journal(Path(show), every) if journal else _of_patch(options, seconds, every)
     sheet = Sheet(size, columns, LIGHT if light else DARK)
     pictures = []
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, replace(wish, size=size), loaded, fine)
+        target, renderer = canvas(stack, replace(options, size=size), loaded, fine)
         for view, taken in moments:
             renderer.draw(view, target.framebuffer)
             if taken is not None:
@@ -103,17 +103,17 @@ def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tu
 
 
 def _of_patch(
-    wish: Any, seconds: float | None, every: int | None
+    options: Any, seconds: float | None, every: int | None
 ) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
     from live.app.offline.sheet_moments import moments_of_patch
     from live.app.session_audio import choose_sound, start_tempo
     from live.base.errors import PersonError
 
-    loaded = wish.load()
-    sound = choose_sound(wish, loaded)
+    loaded = options.load()
+    sound = choose_sound(options, loaded)
     if sound.device is not None:
-        raise PersonError(f"{wish.patch}: it listens to a device; a journal of it can be drawn")
-    show = loaded.start(seed=wish.seed, tempo=start_tempo(wish, loaded, sound))
+        raise PersonError(f"{options.patch}: it listens to a device; a journal of it can be drawn")
+    show = loaded.start(seed=options.seed, tempo=start_tempo(options, loaded, sound))
     measure = show.timeline.beats_per_measure * 60.0 / show.timeline.tempo
     length = seconds or (sound.music.duration if sound.music is not None else _written(show, measure))
     every = every or _apart(round(length / measure))

@@ -31,12 +31,12 @@ def score(
 
     find_patch(patch)  # a name that nobody knows is told before seconds of loading
     warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
-    from live.app.launch_options import Wish
+    from live.app.launch_options import LaunchOptions
     from live.show.score.score_sheet import sheet_of
 
     parse_number(seed, "--seed", 0, 2**31 - 1)
     parse_number(per_row, "--per-row", 1, 256)
-    loaded = Wish(patch=patch, steps=steps).load()
+    loaded = LaunchOptions(patch=patch, steps=steps).load()
     sheet = sheet_of(loaded.start(seed=seed))
     if svg is not None:
         _draw(sheet, svg, per_row, loaded.patch)

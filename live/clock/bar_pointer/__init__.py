@@ -1,1 +1,1 @@
-"""The bar pointer tracks beat and downbeat with a hidden Markov model. It may import what `clock` may."""
+"""Bar pointer model: beat and downbeat tracking with a hidden Markov model. It may import what `clock` may."""

@@ -1,4 +1,4 @@
-"""BarPointer: what has been heard so far, frame by frame, as tempo, phase, beat and metre (forward filter)."""
+"""Bar pointer: forward filter over tempo, phase, beat and metre, frame by frame."""
 
 from typing import Final
 
@@ -13,14 +13,15 @@ from live.clock.bar_pointer.transition_model import Hand, interval_of
 _SIDE_BINS: Final = 2
 
 SURVEY: Final = 3
-"""Frames from one look at all states to the next; in between only those near the grid are looked at."""
+"""Number of frames between searches over all states; in between only states near the grid are evaluated."""
 
 
 class BarPointer:
-    """Filters activations forward; `step` takes a frame, the attributes say what is believed after it.
+    """Filters activations forward; `step` processes a frame, the attributes hold the result.
 
-    It follows one grid (interval, phase) through the posterior and leaves it only for another one that has clearly
-    more of the states: what is chosen stays put.
+    It follows one grid (interval, phase) through the posterior and leaves it only for another grid with a clearly
+    larger
+    share of the states.
     """
 
     def __init__(self, model: Model | None = None) -> None:
@@ -33,7 +34,7 @@ class BarPointer:
         self.clear()
 
     def clear(self) -> None:
-        """Forget everything that was heard; what was set by hand stays."""
+        """Reset all states; manual settings stay."""
         self._states.fill()
         self._until_survey = 0
         self._challenged = 0
@@ -45,17 +46,17 @@ class BarPointer:
         self.interval = 0.0
         """Frames from beat to beat; 0 before the first frame."""
         self.share = 0.0
-        """The share of all states near this grid, 0 to 1."""
+        """Share of all states near this grid, 0 to 1."""
         self.rival = 0.0
-        """The share of those near the strongest place of all."""
+        """Share of the states near the strongest grid of all."""
         self.slot_share = 0.0
-        """The share of the grid's states that agree on metre and beat."""
+        """Share of the grid's states that agree on metre and beat."""
         self.jumps = 0
-        """How often the grid was left for another one."""
+        """Number of changes to another grid."""
 
     @property
     def period(self) -> float:
-        """Frames from beat to beat by the line through the last ones, finer than `interval`."""
+        """Frames from beat to beat by a line through the last beats, finer than `interval`."""
         return self._passed.interval if self._passed.interval > 0.0 else self.interval
 
     @property
@@ -76,18 +77,18 @@ class BarPointer:
 
     @property
     def metre(self) -> int:
-        """Beats of a measure."""
+        """Beats in a measure."""
         return self._place.metre
 
     @property
     def beat(self) -> int:
-        """Which beat of its measure the last beat was, from 0."""
+        """Position of the last beat in its measure, from 0."""
         return self._place.beat(past=self._place.since(self.interval, self.model.centre) >= 0.0)
 
     def step(self, beat: float, downbeat: float, listening: bool = True) -> None:
-        """One frame: the chance of a beat, and of a downbeat (never more), 0 to 1.
+        """Process one frame: the probability of a beat, and of a downbeat (never more), 0 to 1.
 
-        While not `listening` (silence) the grid and all states run on, each at its tempo, and nothing else changes.
+        While not `listening` (silence) the grid and all states advance at their own tempo, and nothing else changes.
         """
         states, hand = self._states, self._hand
         ring = (states.share, states.head, states.offset, states.length)
@@ -117,24 +118,24 @@ class BarPointer:
         self._follow(switch)
 
     def tap(self, bpm: float) -> None:
-        """The tempo was tapped: it is this, and its level is kept. ValueError for one that is not looked for."""
+        """Set a tapped tempo and keep its metrical level. ValueError for a tempo outside the model's range."""
         self._hand.tap(interval_of(bpm, self.model))
         self._set_anew()
 
     def one(self, age: float) -> None:
-        """A measure began `age` frames before the last frame (negative: it will begin)."""
+        """Start a measure `age` frames before the last frame (negative: in the future)."""
         self._hand.one(age)
         self._set_anew()
 
     def beat_pressed(self, age: float) -> None:
-        """A beat, whichever of its measure, lay `age` frames before the last frame."""
+        """Set a beat, of any position in its measure, `age` frames before the last frame."""
         self._hand.beat(age)
         self._set_anew()
 
     def scale(self, factor: float) -> None:
-        """The beats are `factor` (2 or 0.5) times as fast as believed; the level is kept from now on.
+        """Multiply the tempo by `factor` (2 or 0.5); the metrical level is kept from now on.
 
-        A tempo that is not looked for changes nothing. Raises ValueError for another factor.
+        A tempo outside the model's range changes nothing. Raises ValueError for another factor.
         """
         if factor not in (0.5, 2.0):
             raise ValueError(f"the tempo times {factor}: 2 or 0.5 expected")
@@ -143,9 +144,9 @@ class BarPointer:
             self._set_anew()
 
     def hold(self, age: float) -> None:
-        """The music ended `age` frames ago: the grid is again what it was then, and runs on from there.
+        """Restore the grid of `age` frames ago, when the music ended, and extrapolate it from there.
 
-        What was made of the missing beats since, and of the last sounds, is taken back.
+        Changes due to the missing beats since then, and to the last sounds, are undone.
         """
         kept = self._passed.before(age)
         if kept is None or self.interval <= 0.0:
@@ -154,7 +155,8 @@ class BarPointer:
         self._place.begin(slot, shares, (since + self.model.centre) / self.interval)
 
     def resume(self, doubt: float) -> None:
-        """After a long silence: the grid as it ran on is believed, but for a share `doubt` of all that is possible.
+        """Continue the extrapolated grid after a long silence, with a share `doubt` of the states spread as at the
+        start.
 
         (The states themselves have drifted apart: a frame more or less for each beat.)
         """
@@ -167,20 +169,21 @@ class BarPointer:
 
     @property
     def confidence(self) -> float:
-        """How likely the next beat is right, 0 to 1: of beats with confidence c about a share c are."""
+        """Probability that the next beat is right, 0 to 1 (calibrated: of beats with confidence c about a share c are
+        right)."""
         return self._whereabouts.confidence(self.share, self._hand.keeps_level)
 
     def set_metre(self, beats: int) -> None:
-        """The measure has 2, 3, 4 or 6 beats; 0: as heard. ValueError for another number."""
+        """Set a measure of 2, 3, 4 or 6 beats; 0: as detected. ValueError for another number."""
         self._hand.set_metre(beats)
         self._set_anew()
 
     def let_go(self) -> None:
-        """Nothing is set by hand any more."""
+        """Remove all manual settings."""
         self._hand.let_go()
 
     def obey(self, former: "BarPointer") -> None:
-        """Keep tempo and metre that another pointer was told by hand; where its measures began is nothing to this."""
+        """Copy another pointer's manual tempo and metre; its measure lines do not apply here."""
         told = former._hand
         if told.keeps_level:
             bpm = 60.0 * former.model.frame_rate / told.held_interval
@@ -195,14 +198,14 @@ class BarPointer:
         self._whereabouts = Whereabouts()
 
     def _survey(self) -> bool:
-        """Bring all states to the sum 1, and look where most of them are. True if the grid is left for that place."""
+        """Normalise all states and find the strongest grid. Return True if the grid changes to it."""
         states, model, found = self._states, self.model, self._found
         self._until_survey = SURVEY - 1
         anew, self._anew = self._anew or self.interval == 0.0, False
         if self._hand.keeps_phase and not anew and not self._whereabouts.left:
             fence(states.share, states.head, states.offset, states.length, self.interval, self._place.into)
         total = tally(states.share, states.head, states.offset, states.length, states.histogram)
-        if total <= 0.0:  # all that was believed is given up
+        if total <= 0.0:  # no state has any weight left
             states.fill()
             total = tally(states.share, states.head, states.offset, states.length, states.histogram)
         rescale(states.flat, np.float32(1.0 / total))
@@ -222,7 +225,7 @@ class BarPointer:
         return True
 
     def _follow(self, switched: bool) -> None:
-        """Move the grid onto the mean of the states near it, and take the beat of the measure that most of them say."""
+        """Move the grid to the mean of the states near it, and set the beat of the measure that most of them have."""
         states, model, found, place = self._states, self.model, self._found, self._place
         refine(
             states.share, states.head, states.offset, states.length, self.interval, place.into, model.near_tempo,

@@ -1,4 +1,4 @@
-"""One frame of the bar pointer: all states advance, meet what was heard, and are counted by tempo and phase."""
+"""Kernels of the bar pointer: state transition, observation, and histograms of states by tempo and phase."""
 
 import math
 
@@ -13,16 +13,16 @@ Int32 = npt.NDArray[np.int32]
 
 _SLOTS, _USED = 16, 15
 _LEAST = np.float32(1e-30)
-"""What falls below this is nothing: denormal numbers are slow."""
+"""Smaller values become 0: denormal numbers are slow."""
 _FENCE, _FENCE_TEMPO = 0.25, 1.15
-"""States beyond so many beats, or this ratio of tempi, belong to another grid."""
+"""States further away than this many beats, or this ratio of tempi, belong to another grid."""
 _BINS = 24
 """Phase bins of a beat in `histogram`."""
 _NEXT = np.array([1, 0, 3, 4, 2, 6, 7, 8, 5, 10, 11, 12, 13, 14, 9, 15])
 _PREVIOUS = np.array([1, 0, 4, 2, 3, 8, 5, 6, 7, 14, 9, 10, 11, 12, 13, 15])
-"""The slot of the beat after and before, in the same metre."""
+"""Slots of the next and of the previous beat in the same metre."""
 _FIRST = np.array([0, 2, 5, 9])
-"""The slot of each metre's downbeat."""
+"""Slot of each metre's downbeat."""
 _THIRD_OF_FOUR, _FOURTH_OF_SIX = 7, 12
 
 
@@ -43,13 +43,14 @@ def advance(
     odds: np.float32,
     whole: float,
 ) -> float:
-    """One frame later: each position is the next one; where a beat ends another begins, perhaps at another tempo.
+    """Advance all states by one frame: each position moves on; at the end of a beat another begins, perhaps at another
+    tempo.
 
-    `whole` is the sum of all states, of which births are shares. Returns the sum after it.
+    `whole` is the sum of all states; births are relative to it. Returns the new sum.
 
     state (N, 16): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
     head[k]. tempo (K, 2R+1) and metre (4, 4): transitions, see Model; born (K,) new grids that begin in this frame;
-    leaving, entering (K, 16): scratch. odds: [0, 1) chance that a beat is any other of its metre.
+    leaving, entering (K, 16): scratch. odds: [0, 1) probability that a beat is any other of its metre.
     """
     intervals, reach = length.shape[0], tempo.shape[1] // 2
     zero, one = np.float32(0.0), np.float32(1.0)
@@ -90,10 +91,10 @@ def advance(
 def leap(
     state: Float32, head: Int32, offset: Int32, length: Int32, partner: Int32, slot_share: Float32, odds: Float32
 ) -> float:
-    """A few of the beats that begin now go on at half or double the tempo. Returns by how much the sum has grown.
+    """Move a share of the beats that begin now to half or double the tempo. Returns the growth of the sum.
 
-    Called after `advance`. partner (2 K,): the interval of half and of double the tempo, -1 where there is none;
-    odds (K, 2): the chance of each.
+    Called after `advance`. partner (2 K,): the interval of half and of double the tempo, -1 if there is none;
+    odds (K, 2): the probability of each.
     """
     grown = 0.0
     for k in range(length.shape[0]):
@@ -124,11 +125,11 @@ def observe(
     middle: np.float32,
     between: np.float32,
 ) -> float:
-    """Weigh the states in whose beat window this frame lies.
+    """Multiply the states in whose beat window this frame lies by their likelihoods.
 
     By `downbeat` for the first of a measure, `middle` for the third of four and the fourth of six, else `beat`: all
     likelihoods relative to a frame without a beat; `between` is that of a frame half way between beats.
-    window (W,): how much of it counts at each position. Returns by how much the sum of all states has grown.
+    window (W,): weight of each position. Returns the growth of the sum of all states.
     """
     one, grown = np.float32(1.0), 0.0
     width = window.shape[0]
@@ -166,7 +167,7 @@ def observe(
 
 @kernel("void(f4[::1], f4)")
 def rescale(flat: Float32, scale: np.float32) -> None:
-    """Multiply all states, shape (16 N,), by `scale`; what becomes too small is nothing."""
+    """Multiply all states, shape (16 N,), by `scale`; too small values become 0."""
     zero = np.float32(0.0)
     for i in range(flat.shape[0]):
         value = flat[i] * scale
@@ -175,7 +176,7 @@ def rescale(flat: Float32, scale: np.float32) -> None:
 
 @kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8)")
 def fence(state: Float32, head: Int32, offset: Int32, length: Int32, interval: float, phase: float) -> None:
-    """Give up all states further than `_FENCE` beats from a phase, or at other tempi than near `interval`."""
+    """Set all states to 0 that are further than `_FENCE` beats from a phase, or at tempi not near `interval`."""
     zero = np.float32(0.0)
     for k in range(length.shape[0]):
         n = length[k]
@@ -192,7 +193,7 @@ def fence(state: Float32, head: Int32, offset: Int32, length: Int32, interval: f
 
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1])", fastmath={"reassoc"})
 def tally(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: Float32) -> float:
-    """Count all states by interval and phase of the beat: histogram (K, 24). Returns their sum."""
+    """Sum all states by interval and phase of the beat: histogram (K, 24). Returns the total."""
     total = 0.0
     for k in range(length.shape[0]):
         n = length[k]
@@ -225,9 +226,9 @@ def search(
     side: int,
     found: Float64,
 ) -> None:
-    """Where most of the states are, and how many are near the present grid.
+    """Find the strongest grid, and the share of states near the present one.
 
-    A place counts what lies within the intervals near[k, 0] ... near[k, 1] - 1 and ± `side` bins of its phase. found
+    The share of a grid covers the intervals near[k, 0] ... near[k, 1] - 1 and ± `side` bins of its phase. found
     gets (interval, phase, share there, share within ± `width` (ratio) and ± `side` bins of (interval, phase)).
     boxes (K + 1, 24): scratch.
     """
@@ -269,7 +270,7 @@ def refine(
     found: Float64,
     slots: Float64,
 ) -> None:
-    """The means over the states near a grid: found gets (interval, how many beats to move the phase, share).
+    """Compute means over the states near a grid: found gets (interval, phase correction in beats, share).
 
     slots (16,): the share of each slot among them.
     """
@@ -294,7 +295,7 @@ def refine(
             total += share
             sum_interval += share * n
             sum_off += share * off
-            # Those that are past the line while the middle is before it (or the other way) belong to another beat.
+            # States past the line while the centre is before it (or the other way round) belong to another beat.
             for s in range(_USED):
                 slots[_NEXT[s] if turn > 0.0 else (_PREVIOUS[s] if turn < 0.0 else s)] += state[row, s]
     found[2] = total

@@ -1,7 +1,4 @@
-"""PassedBeats: the line through the last beats: a tempo finer than whole frames, and the grid to keep in silence.
-
-Place: where in the measure a grid is: how far in the present beat, and which beat of which metre that is.
-"""
+"""Regression through the last beats, for a tempo finer than whole frames, and the grid's position in the measure."""
 
 from typing import Final
 
@@ -13,31 +10,31 @@ from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float3
 Floats = npt.NDArray[np.float64]
 
 MOST: Final = 24
-"""Beats that are remembered."""
+"""Number of beats kept."""
 
 THROUGH: Final = (24, 16, 12, 8, 6, 4)
-"""The line goes through so many beats: the most that lie on one."""
+"""Lengths of the line in beats: the longest with a good fit is used."""
 
 FEWEST: Final = THROUGH[-1]
 
 WAVERING: Final = 12
-"""Where not even a few do, through so many: tempi that waver come back."""
+"""Length if none fits: an unsteady tempo tends to return to its mean."""
 
 SCATTER: Final = 0.9
-"""Beats lie on a line when they scatter about it by no more than this [frames], and ..."""
+"""A line fits if beats scatter about it by no more than this [frames], and ..."""
 
 BENT: Final = 0.5
-"""... the last three by no more than this on average: the tempo is not changing."""
+"""... the mean error of the last three is no more than this: the tempo is not changing."""
 
 AGREES: Final = 0.02
-"""Beats that are this much nearer or further apart now (ratio) than the line says: the tempo is changing."""
+"""If the present interval differs from the line's by more than this ratio, the tempo is changing."""
 
 EBBING: Final = 43
-"""Frames (half a second) before the end of music whose beats are not trusted: it may have died away."""
+"""Frames (half a second) before the end of music whose beats are ignored, because of a possible fade-out."""
 
 
 class PassedBeats:
-    """Notes when beats pass, and which of the measure they were; `interval` is what is kept in silence."""
+    """Records beats that have passed, with their positions in the measure; `interval` is used in silence."""
 
     def __init__(self) -> None:
         self._time = np.zeros(MOST)
@@ -50,12 +47,12 @@ class PassedBeats:
         self._slope = 0.0
         self._former: tuple[Floats, Floats, Floats, npt.NDArray[np.int64], int, int] | None = None
         self.interval = 0.0
-        """Frames from beat to beat by the last beats; by the last word alone while they are few."""
+        """Frames from beat to beat by the line; by the newest value while there are too few beats."""
 
     def step(self, since: float, interval: float, slot: int, slots: Floats, *, anew: bool) -> None:
-        """One frame: the window of the present beat is such that the beat was `since` frames ago (negative: ahead).
+        """Process one frame: the present beat's window places the beat `since` frames ago (negative: ahead).
 
-        slot, slots (SLOTS,): which beat of the measure it is, and the shares of all. anew: the grid is another one.
+        slot, slots (SLOTS,): its position in the measure, and the shares of all. anew: the grid has been replaced.
         """
         self._frame += 1
         if anew:
@@ -72,14 +69,14 @@ class PassedBeats:
         self.interval = self._slope if near else interval
 
     def rest(self) -> None:
-        """One frame of silence: nothing is heard, and nothing passes."""
+        """Process one frame of silence."""
         self._frame += 1
 
     def before(self, age: float) -> tuple[float, float, int, Floats] | None:
-        """The grid of the music that ended `age` frames ago, whatever was made of the end itself.
+        """Return the grid of the music that ended `age` frames ago, unaffected by its end.
 
         (frames since one of its beats, frames from beat to beat, the slot of that beat, the shares of all slots then);
-        None where too few beats are known.
+        None if there are too few beats.
         """
         end = self._frame - age - EBBING
         if self._former is not None and self._former[5] > end:
@@ -102,7 +99,7 @@ class PassedBeats:
         self._slope = self._line()[0] if self._count >= FEWEST else 0.0
 
     def _line(self) -> tuple[float, float]:
-        """(frames from beat to beat, where the line has the last beat [frame]), of at least `FEWEST` beats."""
+        """Return (frames from beat to beat, the line's time of the last beat [frame]), from at least `FEWEST` beats."""
         for count in (*THROUGH, min(WAVERING, self._count)):
             if count > self._count:
                 continue
@@ -124,31 +121,32 @@ _BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
 
 
 class Place:
-    """Moves along the beats; the shares of all slots move with it."""
+    """The grid's position in beat and measure; the shares of all slots move with it."""
 
     def __init__(self) -> None:
         self.into = 0.0
-        """How far the window of the present beat is past, 0 to 1 beat."""
+        """Position in the present beat's window, 0 to 1 beat."""
         self.slot = FIRST_SLOT[METRES.index(4)]
-        """Which beat of which metre is believed."""
+        """Present slot: beat and metre."""
         self.shares: npt.NDArray[np.float64] = np.zeros(SLOTS)
-        """What the grid's states say of that, shape (SLOTS,)."""
+        """Shares of the slots among the grid's states, shape (SLOTS,)."""
 
     @property
     def metre(self) -> int:
-        """Beats of a measure."""
+        """Beats in a measure."""
         return _OF[self.slot][0]
 
     def beat(self, past: bool) -> int:
-        """Which beat of its measure the present one is, from 0; that before it, where it is not yet `past`."""
+        """Return the position of the present beat in its measure, from 0; of the one before it, if it is not yet
+        `past`."""
         return _OF[self.slot if past else _PREVIOUS[self.slot]][1]
 
     def since(self, interval: float, centre: float) -> float:
-        """Frames since the present beat (negative: ahead), which lies `centre` frames into its window."""
+        """Return the frames since the present beat (negative: ahead), which lies `centre` frames into its window."""
         return self.into * interval - centre
 
     def move(self, beats: float) -> None:
-        """Go on, or back, by less than a beat."""
+        """Move forward or back by less than a beat."""
         self.into += beats
         if self.into >= 1.0:
             self.into -= 1.0
@@ -160,7 +158,8 @@ class Place:
             self.shares[:-1] = self.shares[_AFTER]
 
     def begin(self, slot: int, shares: npt.NDArray[np.float64], beats: float) -> None:
-        """`beats` after the window of the beat `slot` began, of which the states said `shares`."""
+        """Set the position to `beats` after the start of the window of beat `slot`, with the slots' `shares` at that
+        time."""
         self.into, self.slot = 0.0, slot
         self.shares[:] = shares
         for _ in range(int(beats)):
@@ -168,7 +167,7 @@ class Place:
         self.move(beats - int(beats))
 
     def kept(self) -> Float32:
-        """What the states say of metre and beat, shape (SLOTS,), sum 1; what is believed, where they say nothing."""
+        """Return the shares of metre and beat, shape (SLOTS,), sum 1; the present slot alone if there are none."""
         share = np.asarray(self.shares, np.float32)
         total = float(share.sum())
         if total <= 0.0:

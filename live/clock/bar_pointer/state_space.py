@@ -1,10 +1,8 @@
-"""Model: the numbers of the bar pointer, and the layout of its states (Krebs, Böck and Widmer, ISMIR 2015).
+"""Parameters and state space of the bar pointer (Krebs, Böck and Widmer, ISMIR 2015).
 
 A state is (interval, position, metre, beat): `interval` frames from beat to beat, `position` frames since the beat's
-window began, and a slot that says which beat of which metre it is. The position advances by one each frame; the
-interval may change only at a beat.
-
-States: the shares of all (interval, position, metre, beat), in rings, one for each interval.
+window began, and a slot for beat and metre. The position advances by one each frame; the interval may change only at
+a beat. The states of each interval form a ring.
 """
 
 from dataclasses import dataclass
@@ -17,95 +15,95 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 METRES: Final = (2, 3, 4, 6)
-"""Beats of a measure that are looked for."""
+"""Supported metres: beats in a measure."""
 
 FIRST_SLOT: Final = (0, 2, 5, 9)
 """The slot of each metre's downbeat; its other beats follow."""
 
 SLOTS: Final = 16
-"""Numbers kept for each (interval, position); the last is never used: sixteen fill the processor's registers."""
+"""Slots of each (interval, position); the last is unused: sixteen fill the processor's registers."""
 
 WINDOW: Final = 7
 """Frames in which a beat's activation may lie; the beat is in the middle."""
 
 REACH: Final = 8
-"""Intervals to each side that the tempo can change to at one beat."""
+"""Number of intervals to each side that the tempo can change to at one beat."""
 
 COARSE: Final = 90
-"""From this interval on [frames] only every second one is kept: 57 bpm and slower."""
+"""From this interval on [frames] only every second one is used: 57 bpm and slower."""
 
 FARTHEST: Final = 0.9
-"""Tempi further than this from the usual one [octaves] are not believed any less."""
+"""The prior of the tempo is constant beyond this distance from its mean [octaves]."""
 
 UNLIKELY: Final = 1e-5
-"""Changes of tempo below this chance are left out."""
+"""Changes of tempo with a lower probability are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """What the bar pointer believes before it hears anything. Rates are per frame, shares between 0 and 1."""
+    """Prior parameters of the bar pointer. Rates are per frame, shares between 0 and 1."""
 
     frame_rate: float = 44100.0 / 512.0
     """Frames of activations per second."""
     slowest_bpm: float = 38.0
     fastest_bpm: float = 260.0
     tempo_bpm: float = 115.0
-    """The middle of the tempi that people tap (log-normal)."""
+    """Centre of the tempi that people tap (log-normal)."""
     tempo_octaves: float = 0.5
     tempo_pull: float = 1.5
-    """How much of that preference counts anew each second."""
+    """Weight of that prior per second."""
     tempo_change: float = 60.0
     """The larger, the more constant the tempo: a change from i to j frames weighs exp(-x |j / i - 1|)."""
     octave_change: float = 1e-4
-    """Chance at each beat that the beats turn out to be twice as far apart, or half as far."""
+    """Probability at each beat that the beat interval doubles or halves."""
     birth: float = 2e-5
-    """Chance in each frame that a new grid begins."""
+    """Probability in each frame that a new grid begins."""
     metre_change: float = 1e-3
-    """Chance at each measure line that another metre begins."""
+    """Probability at each measure line that another metre begins."""
     line_change: float = 2e-4
-    """Chance at each beat that it is any other beat of its metre."""
+    """Probability at each beat that it is any other beat of its metre."""
     metre_share: tuple[float, float, float, float] = (0.015, 0.2, 0.735, 0.05)
-    """How common the metres are; two are heard in many a four."""
+    """Prior of the metres; many measures of four also fit a metre of two."""
     beat_share: float = 0.12
-    """Share of frames that hold a beat, as far as the activations are concerned."""
+    """Share of frames with a beat, for the activations."""
     downbeat_share: float = 0.25
-    """Share of the beats that are downbeats, as far as the activations are concerned."""
+    """Share of the beats that are downbeats, for the activations."""
     middle_share: float = 0.5
-    """Share of the measures of four and six in whose middle a downbeat seems to be heard."""
+    """Share of the measures of four and six with a downbeat activation in the middle."""
     sharpness: float = 0.6
-    """Exponent of the likelihoods: neighbouring frames say much the same thing."""
+    """Exponent of the likelihoods, because neighbouring frames are correlated."""
     downbeat_sharpness: float = 0.8
-    """Exponent of what is said about downbeats alone."""
+    """Exponent of the likelihoods of downbeats."""
     ratio_max: float = 60.0
     ratio_min: float = 0.02
-    """Bounds of what one frame can say for or against a beat."""
+    """Bounds of one frame's likelihood ratio for a beat."""
     half_beat: float = 0.1
     """Exponent of the beats' likelihood in the middle between beats: above 0, off-beats are expected to sound."""
     window: tuple[float, float, float, float, float, float, float] = (0.0, 0.2, 0.8, 1.0, 0.8, 0.2, 0.0)
-    """How much each frame of a beat's window is expected to hold the activation."""
+    """Expected share of the activation in each frame of a beat's window."""
 
     centre: float = 3.0
-    """Where the beat lies in its window [frames]."""
+    """Position of the beat in its window [frames]."""
     near_tempo: float = 0.08
     near_phase: float = 0.12
     """States within this ratio of an interval and this many beats of a phase belong to one grid."""
     switch_ratio: float = 3.0
-    """A grid is left for another one that has this many times its share of the states ..."""
+    """The grid is replaced by another one with this many times its share of the states ..."""
     switch_surveys: int = 2
-    """... for more than so many surveys."""
+    """... in more than this many searches."""
     line_ratio: float = 2.0
-    """Another beat of the measure, or another metre, is taken when it has this many times the share."""
+    """Another beat of the measure, or another metre, replaces the present one if its share is larger by this factor."""
 
     @property
     def intervals(self) -> Int32:
-        """Frames from beat to beat of each tempo, ascending, shape (K,): each whole number, from `COARSE` on even."""
+        """Frames from beat to beat of each tempo, ascending, shape (K,): all integers, from `COARSE` on even ones."""
         shortest = round(60.0 * self.frame_rate / self.fastest_bpm)
         longest = round(60.0 * self.frame_rate / self.slowest_bpm)
         fine, coarse = np.arange(shortest, min(COARSE, longest + 1)), np.arange(COARSE, longest + 1, 2)
         return np.concatenate([fine, coarse]).astype(np.int32)
 
     def tempo_share(self) -> Float32:
-        """How likely each interval is before anything is heard, shape (K,), sum 1."""
+        """Return the prior of each interval, shape (K,), sum 1."""
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
         spacing = np.gradient(self.intervals.astype(np.float64))
         share = np.exp(-0.5 * (octaves / self.tempo_octaves) ** 2) * spacing / self.intervals
@@ -113,9 +111,9 @@ class Model:
         return total
 
     def tempo_weight(self) -> Float32:
-        """What one more beat of each interval is worth by the tempi that people tap, shape (K,), at most 1.
+        """Return the factor of one more beat of each interval, by the tempi that people tap, shape (K,), at most 1.
 
-        The same for equal times: two beats of half the length are worth as much as one.
+        Equal times have equal weight: two beats of half the length count as much as one.
         """
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
         octaves = np.minimum(np.abs(octaves), FARTHEST)
@@ -124,7 +122,7 @@ class Model:
         return weight.astype(np.float32)
 
     def tempo_transitions(self) -> Float32:
-        """From interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
+        """Return transitions from interval k to k - REACH … k + REACH, shape (K, 2 REACH + 1); rows sum to 1."""
         lengths = self.intervals.astype(np.float64)
         index = np.arange(lengths.size)[:, None] + np.arange(-REACH, REACH + 1)
         other = lengths[np.clip(index, 0, lengths.size - 1)]
@@ -136,13 +134,13 @@ class Model:
         return np.ascontiguousarray(weight / weight.sum(axis=1, keepdims=True), np.float32)
 
     def metre_transitions(self) -> Float32:
-        """From a measure of one metre to the next one's, shape (4, 4); rows sum to 1."""
+        """Return transitions from the metre of a measure to the next one's, shape (4, 4); rows sum to 1."""
         share = np.array(self.metre_share) / sum(self.metre_share)
         stay = np.eye(len(METRES)) * (1.0 - self.metre_change)
         return (stay + self.metre_change * share[None, :]).astype(np.float32)
 
     def slot_share(self) -> Float32:
-        """How likely each slot is before anything is heard, shape (SLOTS,), sum 1."""
+        """Return the prior of each slot, shape (SLOTS,), sum 1."""
         share = np.zeros(SLOTS, np.float32)
         for metre, first, part in zip(METRES, FIRST_SLOT, self.metre_share, strict=True):
             share[first : first + metre] = part / metre
@@ -151,7 +149,7 @@ class Model:
 
 
 def slot_metre(slot: int) -> tuple[int, int]:
-    """(beats of the measure, which of them from 0) of a slot."""
+    """Return (beats in the measure, beat from 0) of a slot."""
     for metre, first in zip(METRES, FIRST_SLOT, strict=True):
         if slot < first + metre:
             return metre, slot - first
@@ -159,15 +157,15 @@ def slot_metre(slot: int) -> tuple[int, int]:
 
 
 BINS: Final = 24
-"""Phase bins of a beat, as in kernels.py."""
+"""Phase bins of a beat, as in bar_pointer_kernels.py."""
 
 TEMPO_WIDTH: Final = 0.01
 PLACE_WIDTH: Final = 2.0
-"""How far states lie from a grid that was kept (standard deviations: natural logarithm, frames)."""
+"""Spread of states about a grid that was kept (standard deviations: natural logarithm, frames)."""
 
 
 class States:
-    """The arrays that the kernels work on.
+    """Arrays of the kernels.
 
     `share` (N, 16) float32: interval k has length[k] rows from offset[k] on, a ring whose position 0 is at head[k].
     """
@@ -181,7 +179,7 @@ class States:
         self.head = np.zeros(self.count, np.int32)
         self.share = np.zeros((int(self.length.sum()), SLOTS), np.float32)
         self.flat = self.share.reshape(-1)
-        """The same numbers in one row."""
+        """The same data as a vector."""
         self.leaving = np.zeros((self.count, SLOTS), np.float32)
         self.entering = np.zeros((self.count, SLOTS), np.float32)
         self.histogram = np.zeros((self.count, BINS), np.float32)
@@ -189,7 +187,7 @@ class States:
         self.boxes = np.zeros((self.count + 1, BINS))
         self.slot_share = model.slot_share()
         self.still = np.zeros((self.count, 2 * REACH + 1), np.float32)
-        """Transitions of a tempo that cannot change."""
+        """Transitions of a constant tempo."""
         self.still[:, REACH] = 1.0
         self.same_metre = np.eye(len(METRES), dtype=np.float32)
         self.near = self._near(model.near_tempo)
@@ -198,13 +196,13 @@ class States:
         """The interval of each row, shape (N,)."""
 
     def fill(self) -> None:
-        """As before anything was heard: tempi by preference, all phases and beats alike."""
+        """Set the prior: tempi by their distribution, all phases and beats alike."""
         self.head[:] = 0
         tempo = self.model.tempo_share() / self.length
         self.share[:] = np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
     def gather(self, interval: float, place: float, slots: Float32, doubt: float) -> None:
-        """All states near one grid, but for a share `doubt`, which is as before anything was heard.
+        """Set all states near one grid, except for a share `doubt`, which gets the prior.
 
         interval [frames], place [beats since the beat's window began], slots (SLOTS,): shares of each slot.
         """
@@ -218,12 +216,12 @@ class States:
         self.share += np.float32(doubt) * np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
     def positions(self) -> Float32:
-        """Position of each row at this moment [frames], shape (N,)."""
+        """Return the present position of each row [frames], shape (N,)."""
         at = np.arange(self.share.shape[0]) - np.repeat(self.offset + self.head, self.length)
         return np.mod(at, self.interval_of).astype(np.float32)
 
     def settle(self) -> None:
-        """Bring the shares to the sum 1 again, none below what the kernels keep."""
+        """Normalise the shares to the sum 1 and clear the unused slot; set the prior if all are 0."""
         self.share[:, SLOTS - 1] = 0.0
         total = float(self.share.sum(dtype=np.float64))
         if total > 0.0:
@@ -238,7 +236,7 @@ class States:
         return np.ascontiguousarray(np.stack([low, high], axis=1), np.int32)
 
     def _partners(self) -> "np.typing.NDArray[np.int32]":
-        """Interval of half and of double the tempo for each k, shape (2 K,), -1 where there is none."""
+        """Return the interval of half and of double the tempo for each k, shape (2 K,), -1 if there is none."""
         partner = np.full((self.count, 2), -1, np.int32)
         for k, length in enumerate(self.length.tolist()):
             for way, wanted in enumerate((2.0 * length, 0.5 * length)):

@@ -1,6 +1,6 @@
-"""Hand: the transitions in force: those of the model, narrowed by what people have said about tempo, line and metre.
+"""Transition model of the bar pointer, constrained by manual settings of tempo, beat, downbeat and metre.
 
-What one press or tap of a musician does to the states: what it excludes is given up at once.
+A tap or setting removes the states that it excludes at once.
 """
 
 import math
@@ -14,23 +14,23 @@ from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float3
 Floats = npt.NDArray[np.float64]
 
 TAP_WIDTH: Final = 0.03
-"""How exactly a tempo is tapped (standard deviation, natural logarithm)."""
+"""Accuracy of a tapped tempo (standard deviation, natural logarithm)."""
 
 PRESS_WIDTH: Final = 0.045
-"""How exactly a beat is pressed [s]."""
+"""Accuracy of a tapped beat [s]."""
 
 FAR: Final = 4.0
-"""Beyond so many deviations nothing is believed any more, ..."""
+"""States further away than this many deviations are removed, ..."""
 
 FAR_BEATS: Final = 0.25
-"""... nor beyond so many beats from a press."""
+"""... and so are states further than this many beats from a tap."""
 
 UNHEARD: Final = 0.02
-"""Where what is pressed had less than this share of all states, the press counts as much as what they say of it."""
+"""If the tapped states had less than this share of all states, a default distribution is added to fill the share."""
 
 
 def take_tempo(states: States, interval: float) -> None:
-    """The tempo is this [frames]."""
+    """Keep only states near a tempo [frames]."""
     off = np.log(states.interval_of / interval) / TAP_WIDTH
     near = np.where(np.abs(off) < FAR, np.exp(-0.5 * off**2), 0.0)
     fresh = near / states.interval_of
@@ -38,14 +38,14 @@ def take_tempo(states: States, interval: float) -> None:
 
 
 def take_beat(states: States, age: float) -> None:
-    """A beat, whichever of its measure, lay `age` frames before this one."""
+    """Keep only states with a beat, of any position in its measure, `age` frames before this one."""
     off = states.positions() - states.model.centre - age
     near = _pressed(states, off, states.interval_of)
     _believe(states, near[:, None] * np.ones(SLOTS), (_by_tempo(states) * near)[:, None] * states.slot_share)
 
 
 def take_one(states: States, age: float) -> None:
-    """A measure began `age` frames before this one (negative: it will begin)."""
+    """Keep only states with a measure start `age` frames before this one (negative: in the future)."""
     since = states.positions() - states.model.centre - age
     near = np.zeros((states.interval_of.size, SLOTS))
     for slot in range(SLOTS - 1):
@@ -55,10 +55,10 @@ def take_one(states: States, age: float) -> None:
 
 
 def take_level(states: States, factor: float, interval: float, since: float, slot: int) -> float:
-    """The grid `interval` [frames], whose beat `slot` began `since` frames ago, gets `factor` times the tempo.
+    """Change the grid `interval` [frames], whose beat `slot` began `since` frames ago, to `factor` times the tempo.
 
-    Where every second beat falls away it is the even ones of the measure (its second, fourth ...). Returns the new
-    interval, or 0, and changes nothing, where no such tempo is looked for.
+    If every second beat is dropped, these are the even ones of the measure (second, fourth ...). Returns the new
+    interval, or 0 without a change if that tempo is outside the model's range.
     """
     wanted = interval / factor
     if not states.length[0] <= wanted <= states.length[-1]:
@@ -70,7 +70,7 @@ def take_level(states: States, factor: float, interval: float, since: float, slo
 
 
 def take_metre(states: States, beats: int) -> None:
-    """The measure has so many beats."""
+    """Keep only states of a metre."""
     first = FIRST_SLOT[METRES.index(beats)]
     near = np.zeros((states.interval_of.size, SLOTS))
     near[:, first : first + beats] = 1.0
@@ -79,7 +79,7 @@ def take_metre(states: States, beats: int) -> None:
 
 
 def _pressed(states: States, off: npt.NDArray[np.floating], round_: npt.NDArray[np.integer]) -> Floats:
-    """How well rows agree with a press that they expect `off` frames away, give or take whole `round_`s."""
+    """Return the agreement of rows with a tap that they expect `off` frames away, modulo `round_`."""
     off = off - np.round(off / round_) * round_
     width = PRESS_WIDTH * states.model.frame_rate
     near = (np.abs(off) < FAR * width) & (np.abs(off) < FAR_BEATS * states.interval_of)
@@ -88,14 +88,14 @@ def _pressed(states: States, off: npt.NDArray[np.floating], round_: npt.NDArray[
 
 
 def _by_tempo(states: States) -> Floats:
-    """The share of each row if tempi were as believed and all phases alike, shape (N,)."""
+    """Return the share of each row for the present tempi and uniform phases, shape (N,)."""
     tempo = np.add.reduceat(states.share.sum(axis=1, dtype=np.float64), states.offset)
     share: Floats = np.repeat(tempo / states.length, states.length)
     return share
 
 
 def _believe(states: States, near: Floats, fresh: Floats) -> None:
-    """Keep the states so far as they are near, (N, SLOTS); where few of them were, believe `fresh` (N, SLOTS)."""
+    """Multiply the states by `near`, (N, SLOTS); add `fresh` (N, SLOTS) if few of them were near."""
     total = float(states.share.sum(dtype=np.float64))
     if total <= 0.0:
         states.fill()
@@ -107,32 +107,32 @@ def _believe(states: States, near: Floats, fresh: Floats) -> None:
 
 
 BAND_OCTAVES: Final = 0.5
-"""A tempo set by hand keeps the level: its grid stays within so many octaves of it."""
+"""A manual tempo keeps the metrical level: the grid stays within this many octaves of it."""
 
 HELD_OCTAVES: Final = 0.25
 HELD_PULL: Final = 1.0
-"""How near a tempo stays to the one that is held: deviation, and how much of it counts anew each second."""
+"""Prior around the manual tempo: deviation, and weight per second."""
 
 DRIFT: Final = 0.04
-"""When the music has moved this far [octaves], the tempo that is held moves with it."""
+"""If the music's tempo moves this far [octaves], the manual tempo follows."""
 
 CALM: Final = 0.02
-"""Once the line is set by hand, chances of another line and metre are multiplied by this, ..."""
+"""After a manual downbeat, the probabilities of another line and metre are multiplied by this, ..."""
 
 CALM_SHARPNESS: Final = 0.4
-"""... and so is the exponent of what is heard of downbeats."""
+"""... and the exponent of downbeat likelihoods by this."""
 
 FREE_RANGE: Final = (0.01, 0.99)
 CALM_RANGE: Final = (0.25, 0.5)
-"""Chances of a downbeat among beats are taken for no less and no more; once the line is set by hand these bounds are
-narrow, so that music which contradicts loudly is not believed much sooner than music that does so softly."""
+"""Limits of the probability of a downbeat among beats. After a manual downbeat they are narrow, so that music which
+contradicts loudly does not win much sooner than music that does so softly.
+"""
 
 
 class Hand:
-    """Takes what is said by hand, into the states and for all time to come.
+    """Applies manual settings to the states and to all later transitions.
 
-    `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness`, `downbeat_range` are what each frame is
-    weighed with.
+    Each frame uses `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness` and `downbeat_range`.
     """
 
     def __init__(self, states: States) -> None:
@@ -141,12 +141,12 @@ class Hand:
         self.let_go()
 
     def let_go(self) -> None:
-        """Nothing is set by hand any more."""
-        self._middle = 0.0  # interval about which the level is held; 0: it is free
+        """Remove all manual settings."""
+        self._middle = 0.0  # interval about which the level is kept; 0: free
         self._metre = 0
         self._line_is_set = False
         self.keeps_phase = False
-        """Whether a beat was pressed: another phase is believed only when the music has left the present one."""
+        """Whether a beat was tapped: another phase is accepted only if the music has left the present one."""
         self._renew()
 
     @property
@@ -156,39 +156,39 @@ class Hand:
 
     @property
     def held_interval(self) -> float:
-        """The interval [frames] about which the level is held; 0 where nobody has said one."""
+        """The interval [frames] about which the level is kept; 0 if none was set."""
         return self._middle
 
     @property
     def held_metre(self) -> int:
-        """Beats of a measure as somebody has set them; 0: as heard."""
+        """Manual number of beats in a measure; 0: as detected."""
         return self._metre
 
     def tap(self, interval: float) -> None:
-        """The tempo is this [frames]: states far from it are given up, and the level is held from now on."""
+        """Set the tempo [frames]: remove states far from it, and keep the level from now on."""
         take_tempo(self._states, interval)
         self._hold(interval)
 
     def beat(self, age: float) -> None:
-        """A beat lay `age` frames before this one: this phase is kept from now on."""
+        """Set a beat `age` frames before this one, and keep this phase from now on."""
         take_beat(self._states, age)
         self.keeps_phase = True
 
     def one(self, age: float) -> None:
-        """A measure began `age` frames before this one (negative: it will): this line is kept from now on."""
+        """Start a measure `age` frames before this one (negative: in the future), and keep this line from now on."""
         take_one(self._states, age)
         self._line_is_set = self.keeps_phase = True
         self._renew()
 
     def scale(self, factor: float, interval: float, since: float, slot: int) -> bool:
-        """The grid gets `factor` times the tempo, see `take_level`; False where no such tempo is looked for."""
+        """Multiply the tempo of the grid by `factor`, see `take_level`; False if it is outside the model's range."""
         wanted = take_level(self._states, factor, interval, since, slot)
         if wanted > 0.0:
             self._hold(wanted)
         return wanted > 0.0
 
     def set_metre(self, beats: int) -> None:
-        """The measure has so many beats (0: as heard). Raises ValueError for a metre that is not looked for."""
+        """Set the number of beats in a measure (0: as detected). Raises ValueError for an unsupported metre."""
         if beats not in (0, *METRES):
             raise ValueError(f"a measure of {beats} beats: one of {METRES} expected, or 0")
         self._metre = beats
@@ -197,11 +197,11 @@ class Hand:
         self._renew()
 
     def births(self, left: bool) -> Float32:
-        """New grids that begin in each frame; once a beat was pressed only where the music has `left` the grid."""
+        """Return the new grids of each frame; none after a tapped beat, unless the music has `left` the grid."""
         return self.born if left or not self.keeps_phase else self._none_born
 
     def drift(self, interval: float) -> None:
-        """The music is at this interval [frames] now: what is held goes along with a slow change."""
+        """Adapt the manual tempo to a slow change of the music's interval [frames]."""
         if self._middle > 0.0 and abs(math.log2(interval / self._middle)) > DRIFT:
             self._hold(math.sqrt(self._middle * interval))
 
@@ -232,7 +232,7 @@ class Hand:
         states.slot_share = _slot_share(model, self._metre)
 
     def _preference(self) -> tuple[Float32, Float32, Float32]:
-        """Per interval: what one more beat is worth, how likely a new grid has it (sum 1), whether it may be at all."""
+        """Return per interval: factor of one more beat, probability for a new grid (sum 1), whether it is allowed."""
         model, length = self._model, self._states.length
         if self._middle == 0.0:
             return model.tempo_weight(), model.tempo_share(), np.ones(length.size, np.float32)
@@ -254,7 +254,7 @@ def _slot_share(model: Model, metre: int) -> Float32:
 
 
 def interval_of(bpm: float, model: Model) -> float:
-    """Frames from beat to beat at a tempo; ValueError for one that is not looked for."""
+    """Return the frames from beat to beat at a tempo; ValueError for a tempo outside the model's range."""
     if not (math.isfinite(bpm) and model.slowest_bpm <= bpm <= model.fastest_bpm):
         raise ValueError(f"a tempo of {bpm} bpm: {model.slowest_bpm:g} to {model.fastest_bpm:g} expected")
     return 60.0 * model.frame_rate / bpm

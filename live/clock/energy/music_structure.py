@@ -45,13 +45,12 @@ BUILT_BEATS: Final = 4
 """Beats without bass that make a break after a build-up of eight beats or more ..."""
 
 BREAK_BEATS: Final = 7
-"""... and without a build-up, if before them"""
+"""Beats without bass that make a break without a build-up, ..."""
 
 GROOVE_BEATS: Final = 8
 GROOVE_WITH: Final = 6
-"""this many of `GROOVE_BEATS` beats had bass: music with intermittent bass has no drops. (A piece that builds up before
-its first bass has a drop as well.)
-"""
+"""... if this many of the `GROOVE_BEATS` beats before had bass. Music with intermittent bass therefore has no drops. (A
+piece that builds up before its first bass has a drop as well.)"""
 
 AGAIN: Final = 16
 """Minimum number of beats between drops."""

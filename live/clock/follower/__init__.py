@@ -1,4 +1,4 @@
-"""The follower makes one timeline of many clock sources, and corrects its phase without a jump.
+"""The follower derives one timeline from many clock sources and corrects its phase without jumps.
 
 It may import what `clock` may.
 """

@@ -1,4 +1,4 @@
-"""AudioSource: what is heard in the room, through either kind of tracker."""
+"""Clock source for audio, with either kind of tracker."""
 
 import math
 from typing import Final
@@ -8,32 +8,34 @@ from live.clock.follower.tracker_inputs import ConsensusEar, PointerEar
 from live.clock.timeline import Grid
 
 NOTHING_HEARD: Final = 3.0
-"""Seconds (at least three beats) without a statement after which the tempo runs on alone."""
+"""Seconds (at least three beats) without an observation after which the tempo is held."""
 
 SAME_TEMPO: Final = 0.12
-"""Tempi within this (natural logarithm) are at the same level."""
+"""Tempi within this (natural logarithm) have the same metrical level."""
 
 PATIENCE: Final = 8.0
 PATIENCE_EARLY: Final = 2.0
 EARLY: Final = 10.0
-"""A tracker that changes its mind only about the level (half or double) is followed in that after so many seconds;
-sooner in the first seconds of a song."""
+"""If a tracker changes only the metrical level (half or double), the follower changes it after this many seconds;
+sooner
+in the first seconds of a song.
+"""
 
 AHEAD: Final = 0.25
-"""Trackers name a beat at most so long [s] before it comes."""
+"""Maximum look-ahead of trackers [s]."""
 
 ON_BEAT: Final = 0.2
 """Beats of two levels coincide within this [beats]."""
 
 OFF_BEAT: Final = 0.17
-"""Beats within this of half a beat of the tracker's away are the off-beat."""
+"""Beats within this of the middle between two tracker beats are the off-beat [beats]."""
 
 
 class AudioSource(HeardSource):
-    """A tracker that names beats of the measure is believed; one that only hears beats is asked for a consensus."""
+    """Uses beats of trackers that report positions in the measure directly, and a consensus for plain beat trackers."""
 
     def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
-        """`grid` is what is run while nothing is heard; `known_tempo` [bpm]: what the music's score says."""
+        """`grid` is used until there are beats; `known_tempo` [bpm]: from the music's score."""
         super().__init__("audio")
         self.consensus = ConsensusEar(grid, known_tempo)
         self.pointer = PointerEar()
@@ -44,7 +46,7 @@ class AudioSource(HeardSource):
         self._before_pause: State | None = None
         self._paused_at = -math.inf
         self.rest_until = -math.inf
-        """Until then the hand rules, and nothing is decided [s]."""
+        """Until this time manual settings have priority, and no beats are decided [s]."""
 
     def raw(self) -> Grid | None:
         """The tracker's beats."""
@@ -55,9 +57,9 @@ class AudioSource(HeardSource):
         return self.pointer.lines() if self._pointing else None
 
     def heard(self, said: Said, now: float) -> None:
-        """One estimate of the tracker."""
+        """Process one estimate of the tracker."""
         if self._before_pause is not None:
-            if said.time <= self._paused_at + AHEAD:  # said before the pause was noticed
+            if said.time <= self._paused_at + AHEAD:  # sent before the pause was noticed
                 return
             self.found(now)
         if self.silent_since is not None:
@@ -91,13 +93,13 @@ class AudioSource(HeardSource):
         self._judge(self.pointer.believed, self.pointer.sure, self.pointer.share)
 
     def _changed_over(self, raw_before: Grid, before: Grid, raw: Grid, time: float, now: float) -> None:
-        """The tracker has another tempo: it is danced, unless it is only another level of the same music."""
-        if abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO:  # the level that is danced is its own now
+        """Adopt the tracker's new tempo, unless it is only another metrical level of the same music."""
+        if abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO:  # the level in use is now the tracker's own
             self.level.reset(raw.beat_at(time), before.beat_at(time))
             self._kept_since = math.inf
             return
         kept = math.isfinite(self._kept_since)
-        if self.level.factor != 1.0 and not kept:  # a hand has set the level
+        if self.level.factor != 1.0 and not kept:  # the level was set by hand
             return
         ratio = math.log2(raw.tempo / before.tempo)
         octave = round(ratio)
@@ -116,7 +118,7 @@ class AudioSource(HeardSource):
         self._kept_since = math.inf
 
     def _judge(self, believed: bool, sure: bool, share: float) -> None:
-        """The state from what the ear says; a lock once made holds until most of what is said contradicts."""
+        """Set the state from the tracker input; a lock holds until most observations contradict it."""
         self.confidence = min(max(share, 0.0), 1.0)
         if not believed:
             self.state = "listening"
@@ -126,18 +128,18 @@ class AudioSource(HeardSource):
             self.state = "following"
 
     def paused(self, now: float) -> None:
-        """It rests for longer than usual: nothing is believed until it is heard again, nothing is forgotten."""
+        """Handle a pause longer than usual: ignore beats until sound returns, and keep all state."""
         if self.silent_since is None and self._before_pause is None and self.state != "absent":
             self._before_pause, self._paused_at, self.state = self.state, now, "listening"
 
     def silent(self, now: float) -> None:
-        """Nothing is played any more."""
+        """Handle the end of the music."""
         self._before_pause = None
         super().silent(now)
         self._forget()
 
     def found(self, now: float) -> None:
-        """There is something to hear again."""
+        """Handle the return of sound."""
         if self._before_pause is not None:
             self.state, self._before_pause = self._before_pause, None
             self.heard_at = max(self.heard_at, now)
@@ -151,19 +153,19 @@ class AudioSource(HeardSource):
         self.state = "absent" if self.state == "absent" else "listening"
 
     def watch(self, now: float) -> None:
-        """Notice that nothing comes any more."""
+        """Detect missing beats."""
         raw = self.raw()
         if self.ready and raw is not None and now - self.heard_at > max(NOTHING_HEARD, 3.0 * raw.period):
             self.state = "listening"
             self.pointer.clear()
 
     def take(self, grid: Grid, until: float) -> None:
-        """The hand says what the beat is, and rules until then [s]."""
+        """Set the beats by hand, with priority until then [s]."""
         self.consensus.take(grid)
         self.rest_until = until
 
     def agree_with(self, hand: Grid, now: float) -> None:
-        """Dance the tracker's beats at the hand's level, and on the hand's side of the beat."""
+        """Set the metrical level and the side of the beat (on or off) to those of the manual grid."""
         raw = self.raw()
         if not self._pointing or raw is None:
             return

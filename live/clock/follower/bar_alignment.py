@@ -1,4 +1,4 @@
-"""Measures: when the Timeline's measure lines and metre follow a source, and when the hand's word stands."""
+"""Alignment of the timeline's measure lines and metre with those of a source, with priority for manual settings."""
 
 import math
 from typing import Final
@@ -7,48 +7,48 @@ from live.clock.follower.clock_source import Lines
 from live.clock.follower.phase_correction import Run
 
 VOTES: Final = 1.0
-"""A source's measure line is taken over when it was the same for so many measures running ..."""
+"""A source's measure line is adopted after this many equal measures in a row ..."""
 
 VOTES_AGAINST_HAND: Final = 4.0
-"""... or so many, after the hand had set it and the source had agreed."""
+"""... or this many, if it was set by hand and the source had agreed."""
 
 VOTES_METRE: Final = 2.0
-"""So many measures of another metre, where metres are followed."""
+"""Number of measures of another metre after which it is adopted, if metres are followed."""
 
 METRE_MIN: Final = 2
 METRE_MAX: Final = 12
 
 
 class Measures:
-    """Watches the lines of the source that rules."""
+    """Follows the measure lines of the active source."""
 
     def __init__(self, *, follow_metre: bool = False) -> None:
-        """`follow_metre`: whether a source may change how many beats a measure has."""
+        """`follow_metre`: whether a source may change the number of beats in a measure."""
         self.follow_metre = follow_metre
         self.coming: int | None = None
-        """The beats of a measure from the next line on; None: as now."""
+        """Beats in a measure from the next line on; None: unchanged."""
         self._pinned = False
         self._agreed = False
         self._fresh = True
 
     def pin(self) -> None:
-        """The hand has set the line: a source that says otherwise is not believed."""
+        """Keep the line as set by hand, against the source."""
         self._pinned, self._agreed = True, False
 
     def unpin(self) -> None:
-        """Something new begins: the source's next word on the measure is taken."""
+        """Adopt the source's next measure line."""
         self._pinned, self._fresh = False, True
 
     def hand_over(self) -> None:
-        """Another source rules: its line is taken as soon as it names one, unless the hand has set it."""
+        """Adopt the line of a new source as soon as it reports one, unless the line was set by hand."""
         self._fresh = True
 
     def set_metre(self, beats: int) -> None:
-        """Measures of so many beats from the next line on, whatever a source says."""
+        """Set the beats in a measure from the next line on, whatever a source reports."""
         self.coming, self.follow_metre = beats, False
 
     def cross(self, run: Run, now: float) -> None:
-        """A measure line lies just behind: a new metre begins with it."""
+        """Apply a new metre at a measure line that was just crossed."""
         if self.coming is not None:
             timeline = run.timeline
             line = timeline.beat_at(now) - timeline.phase_at(now)
@@ -59,7 +59,7 @@ class Measures:
             self.coming = None
 
     def follow(self, run: Run, lines: Lines, shift: int, now: float) -> None:
-        """Take over the source's measure lines if they are other than ours and said often enough."""
+        """Adopt the source's measure lines if they differ from ours and were reported often enough."""
         size, beat, spacing = run.timeline.beats_per_measure, lines.beat + shift, round(lines.spacing)
         common = spacing if size % spacing == 0 else size if spacing % size == 0 else 0
         if not common:

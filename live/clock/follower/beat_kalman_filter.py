@@ -1,8 +1,9 @@
-"""BeatFilter: a Kalman filter over beats: when they fall and how long they last, from statements that jitter.
+"""Kalman filter for beat time and period from observations with jitter.
 
-The state is (time of a beat, period). Period wanders a little from beat to beat; when the last statements all err to
-one side it may wander more, so that a drummer who pushes is followed and jitter is not (an adaptive filter after
-Mehra, IEEE Trans. Automatic Control 15(2), 1970: innovations that are not white say that the model is too stiff).
+The state is (time of a beat, period). The period varies a little from beat to beat. When the last innovations all
+have the same sign, it may vary more, so that a drummer who pushes is followed and jitter is not (an adaptive filter
+after Mehra, IEEE Trans. Automatic Control 15(2), 1970: innovations that are not white show that the model is too
+stiff).
 """
 
 import math
@@ -11,31 +12,32 @@ from typing import Final
 from live.clock.timeline import Grid
 
 JITTER: Final = 0.008
-"""Standard deviation of a statement's time when its source is sure [s]; three times as much when it is not."""
+"""Standard deviation of an observation's time when its source is sure [s]; three times as much when it is not."""
 
 PERIOD_JITTER: Final = 0.04
-"""That of a statement's period, relative."""
+"""Standard deviation of an observation's period, relative."""
 
 WANDER: Final = 0.001
-"""How much a period changes from beat to beat, relative."""
+"""Variation of the period from beat to beat, relative."""
 
 BIAS_MEMORY: Final = 0.3
-"""Share of the newest innovation in their mean."""
+"""Weight of the newest innovation in their mean."""
 
 BIAS_FREE: Final = 0.5
-"""A mean innovation under so many standard deviations is taken for chance."""
+"""A mean innovation below this many standard deviations counts as chance."""
 
 HURRY: Final = 0.05
-"""How much more the period may change for each standard deviation above, relative."""
+"""Additional variation of the period for each standard deviation above, relative."""
 
 GATE: Final = 3.5
 GATE_MIN: Final = 0.045
 GATE_BEATS: Final = 0.2
-"""A statement is believed within so many standard deviations, at least so many seconds, at most so many beats."""
+"""An observation is accepted within this many standard deviations, at least this many seconds, at most this many
+beats."""
 
 
 class BeatFilter:
-    """One hypothesis of where the beats are. `update` says whether a statement fits it."""
+    """One hypothesis of the beats. `update` returns whether an observation fits it."""
 
     def __init__(self, time: float, period: float, confidence: float, number: int = 0) -> None:
         """A beat at `time` [s] with its `number`, `period` [s] to the next."""
@@ -46,17 +48,17 @@ class BeatFilter:
         self._bias = 0.0
         self._before = (time, period, self._var_time, 0.0, self._var_period, 0.0, number)
         self.updates = 1
-        """Statements of different beats that were believed."""
+        """Number of different beats accepted."""
 
     @property
     def grid(self) -> Grid:
-        """The beats as they are now believed to lie."""
+        """The present estimate of the beats."""
         return Grid(self._time, self._period, self.number)
 
     def update(self, time: float, period: float, confidence: float) -> bool:
-        """A beat at `time` [s], `period` [s] to the next; False if it does not fit, and then nothing changes.
+        """Process a beat at `time` [s], `period` [s] to the next; if it does not fit, return False and change nothing.
 
-        A statement on the same beat as the last one replaces it.
+        An observation of the same beat as the last one replaces it.
         """
         steps = round((time - self._time) / self._period)
         if steps < 0:

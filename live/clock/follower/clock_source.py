@@ -1,9 +1,4 @@
-"""Source: what all kinds of clock sources have: a state, a grid of beats, and where its measures begin.
-
-Said: one statement of a source about where the beat is, checked before anything believes it.
-
-Level: which beats of a source are danced: all, every second one, or also those between, and how far off.
-"""
+"""Clock sources: their interface, validated beat observations, and the mapping from source beats to danced beats."""
 
 import math
 from dataclasses import dataclass
@@ -13,34 +8,34 @@ from live.clock.timeline import Grid
 
 PERIOD_MIN: Final = 60.0 / 400.0
 PERIOD_MAX: Final = 4.0
-"""Periods that anybody may name [s]."""
+"""Range of periods accepted from sources [s]."""
 
 AHEAD: Final = 5.0
 BEHIND: Final = 5.0
-"""How far from now [s] a beat may lie that somebody names; far enough for the slowest beat."""
+"""Maximum distance of a reported beat from now [s]; enough for the slowest beat."""
 
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """A beat at `time` [s], `period` [s] to the next; the rest where the source knows it."""
+    """A beat at `time` [s], `period` [s] to the next; the other fields if the source has them."""
 
     time: float
     period: float
     confidence: float
     """0 to 1."""
     beat: int = -1
-    """Which beat of its measure it is, from 0; -1: unknown."""
+    """Position in its measure, from 0; -1: unknown."""
     beats_per_measure: int = 0
     """0: unknown."""
     measure: int = -1
     """The source's own number of the measure, from 0; -1: unknown."""
     jump: bool = False
-    """The source says that it has jumped."""
+    """Whether the source reports a jump."""
     anchored: bool = True
-    """False: the beats are even, but when a beat is the source cannot tell."""
+    """False: the beats are even, but their phase is arbitrary."""
 
     def plausible(self, now: float) -> bool:
-        """Whether this may be true at `now` [s]; NaN and infinity never are."""
+        """Whether the values are plausible at `now` [s]; NaN and infinity never are."""
         if not all(map(math.isfinite, (self.time, self.period, self.confidence, now))):
             return False
         if not (PERIOD_MIN <= self.period <= PERIOD_MAX and -BEHIND <= self.time - now <= AHEAD):
@@ -50,11 +45,11 @@ class Said:
 
 
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Danced beats for one of the source."""
+"""Danced beats per source beat."""
 
 
 class Level:
-    """The affine map from a source's beats to danced ones: exact, and without drift however long it runs.
+    """The affine map from a source's beats to danced beats: exact, without drift.
 
     danced = (beat - pivot_in) * factor + pivot_out.
     """
@@ -65,18 +60,18 @@ class Level:
         self._pivot_out = 0.0
 
     def danced(self, beat: float) -> float:
-        """The danced beat for a beat of the source."""
+        """Return the danced beat for a source beat."""
         return (beat - self._pivot_in) * self.factor + self._pivot_out
 
     def grid(self, grid: Grid) -> Grid:
-        """The grid of danced beats for one of the source's."""
+        """Return the grid of danced beats for a source grid."""
         danced = self.danced(float(grid.number))
         number = math.floor(danced)
         period = grid.period / self.factor
         return Grid(grid.time - (danced - number) * period, period, number)
 
     def scale(self, factor: float, danced: float) -> bool:
-        """`factor` times as many danced beats; the beat `danced` is one in both. False if that is beyond bounds."""
+        """Multiply the danced beats by `factor`; the beat `danced` is kept. False if that is out of range."""
         if self.factor * factor not in FACTORS:
             return False
         self._pivot_in += (danced - self._pivot_out) / self.factor
@@ -85,26 +80,26 @@ class Level:
         return True
 
     def shift(self, beats: float) -> None:
-        """Danced beats lie so many beats later."""
+        """Move danced beats later by this many beats."""
         self._pivot_out -= beats
 
     def straighten(self) -> None:
-        """Danced beats lie on the source's again."""
+        """Move danced beats back onto the source's beats."""
         self._pivot_in = math.floor(self._pivot_in + 0.5)
         self._pivot_out = math.floor(self._pivot_out + 0.5)
 
     def reset(self, beat: float, danced: float) -> None:
-        """Every beat is danced; the numbers go on from `danced`, which is where the source's `beat` is now."""
+        """Use every source beat; continue numbering from `danced` at the source's present `beat`."""
         self.factor = 1.0
         self._pivot_in = math.floor(beat)
         self._pivot_out = math.floor(danced - (beat - self._pivot_in) + 0.5)
 
     def pin(self, beat: float, danced: float, factor: float) -> None:
-        """`factor` danced beats for one of the source, whose `beat` is the danced beat `danced`."""
+        """Map `factor` danced beats to one source beat, where the source's `beat` is the danced beat `danced`."""
         self.factor, self._pivot_in, self._pivot_out = factor, beat, danced
 
     def fold(self, tempo: float, lowest: float, highest: float) -> None:
-        """Halve or double what is danced of a source of `tempo` [bpm] into the range, where that can be."""
+        """Halve or double the danced beats of a source of `tempo` [bpm] into the range, if possible."""
         while tempo * self.factor > highest and self.factor > FACTORS[0] and tempo * self.factor / 2.0 >= lowest:
             self.scale(0.5, self._pivot_out)
         while tempo * self.factor < lowest and self.factor < FACTORS[-1] and tempo * self.factor * 2.0 <= highest:
@@ -112,16 +107,18 @@ class Level:
 
 
 State = Literal["absent", "listening", "following", "locked"]
-"""absent: never heard, or gone; listening: there, but it says nothing that is believed; following: believed, not yet
-sure; locked: sure."""
+"""absent: never received, or gone; listening: present, but without accepted beats; following: accepted, not yet sure;
+locked: sure.
+"""
 
 OFFSET_MAX: Final = 0.5
-"""Nudges of one source add up to at most this [s]."""
+"""Maximum sum of the nudges of one source [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """A measure begins at danced beat `beat` of a source, and every `spacing` beats; `votes`: how often running."""
+    """Measure lines: at danced beat `beat` of a source and every `spacing` beats; `votes`: consecutive
+    confirmations."""
 
     beat: float
     spacing: float
@@ -129,60 +126,60 @@ class Lines:
 
 
 class Source(Protocol):
-    """One clock source. Times are seconds of the show; beats are numbered as the source likes."""
+    """One clock source. Times are seconds of the show; the numbering of beats is the source's own."""
 
     name: str
     state: State
     confidence: float
     jumped: bool
-    """Whether it has said that it jumped; whoever takes that up sets it back."""
+    """Whether it has reported a jump; reset by the code that handles it."""
 
     @property
     def ready(self) -> bool:
-        """Whether its grid may be run after."""
+        """Whether its grid can be followed."""
         ...
 
     def grid(self) -> Grid | None:
-        """Its danced beats; None before any were heard."""
+        """Return its danced beats; None before the first."""
         ...
 
     def lines(self) -> Lines | None:
-        """Where its measures begin; None where it does not know."""
+        """Return its measure lines; None if unknown."""
         ...
 
     def watch(self, now: float) -> None:
-        """Notice that nothing comes any more."""
+        """Detect missing beats."""
         ...
 
 
 class HeardSource:
-    """What sources that are heard have in common: their statements come in through `heard`, `silent`, `lost` …"""
+    """Base class of sources that receive observations, through `heard`, `silent`, `lost` …"""
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.state: State = "absent"
         self.confidence = 0.0
         self.heard_at = -math.inf
-        """When it was last heard [s]."""
+        """Time of the last observation [s]."""
         self.silent_since: float | None = None
         self.jumped = False
         self.offset = 0.0
-        """Nudged so much later [s]."""
+        """Sum of nudges, positive is later [s]."""
         self.level = Level()
-        """Which of its beats are danced."""
+        """Mapping to danced beats."""
         self.detail = ""
 
     @property
     def ready(self) -> bool:
-        """Whether its grid may be run after."""
+        """Whether its grid can be followed."""
         return self.state in ("following", "locked")
 
     def raw(self) -> Grid | None:
-        """Its own beats."""
+        """Return its own beats."""
         return None
 
     def grid(self) -> Grid | None:
-        """Its danced beats, nudged."""
+        """Return its danced beats, nudged."""
         raw = self.raw()
         if raw is None:
             return None
@@ -190,7 +187,7 @@ class HeardSource:
         return Grid(danced.time + self.offset, danced.period, danced.number)
 
     def lines(self) -> Lines | None:
-        """Where its measures begin, in danced beats."""
+        """Return its measure lines in danced beats."""
         own = self.own_lines()
         if own is None:
             return None
@@ -200,40 +197,40 @@ class HeardSource:
         return Lines(float(round(beat)), float(round(spacing)), own.votes)
 
     def own_lines(self) -> Lines | None:
-        """Where its measures begin, in its own beats."""
+        """Return its measure lines in its own beats."""
         return None
 
     def nudge(self, seconds: float) -> None:
-        """Its beats are danced so much later [s]."""
+        """Move its danced beats later by this many seconds."""
         self.offset = min(max(self.offset + seconds, -OFFSET_MAX), OFFSET_MAX)
 
     def heard(self, said: Said, now: float) -> None:
-        """A plausible statement, received at `now` [s]."""
+        """Process a plausible observation, received at `now` [s]."""
         raise NotImplementedError
 
     def silent(self, now: float) -> None:
-        """Nothing is played: what is said of beats before is no news."""
+        """Handle silence: later observations of earlier beats are ignored."""
         self.silent_since = now if self.silent_since is None else self.silent_since
         self.state = "listening"
 
     def paused(self, now: float) -> None:
-        """It rests for longer than usual; a source that is not told apart in that falls silent."""
+        """Handle a pause longer than usual; by default the same as silence."""
         self.silent(now)
 
     def lost(self, now: float) -> None:
-        """It went away."""
+        """Handle the loss of the source."""
         self.silent(now)
         self.state = "absent"
 
     def found(self, now: float) -> None:
-        """It is there again; what comes now is judged afresh."""
+        """Handle its return."""
         self.silent_since = None
         if self.state == "absent":
             self.state = "listening"
 
     def too_late(self, said: Said) -> bool:
-        """Whether a statement was on its way when silence fell."""
+        """Whether an observation is of a time before the silence."""
         return self.silent_since is not None and said.time <= self.silent_since
 
     def watch(self, now: float) -> None:
-        """Notice that nothing comes any more."""
+        """Detect missing beats."""

@@ -1,14 +1,14 @@
-"""CountingIn: measures that are counted aloud before the one."""
+"""Count-in: measures that are counted before a downbeat."""
 
 import math
 from typing import Final
 
 ARMED_FOR: Final = 30.0
-"""A count-in that waits for taps waits so long [s]."""
+"""Time for which a count-in waits for taps [s]."""
 
 
 class CountingIn:
-    """Counts beats down to the one."""
+    """Counts beats down to the downbeat."""
 
     def __init__(self) -> None:
         self._measures = 0
@@ -22,17 +22,17 @@ class CountingIn:
         return self._now < self._armed_until
 
     def arm(self, measures: int, time: float) -> None:
-        """Count so many measures, once there is a beat."""
+        """Prepare a count of this many measures, to begin once there is a beat."""
         self._measures, self._armed_until, self._now = measures, time + ARMED_FOR, time
         self._one = None
 
     def begin(self, first: int, beats_per_measure: int) -> None:
-        """The count begins with the beat `first`."""
+        """Begin the count at the beat `first`."""
         self._armed_until = -math.inf
         self._one = float(first + self._measures * beats_per_measure)
 
     def watch(self, beat: float, now: float) -> bool:
-        """To be called each tick; True when the one has come."""
+        """Update at each tick; return True when the downbeat has come."""
         self._now = now
         if self._one is None or beat < self._one:
             return False
@@ -40,5 +40,5 @@ class CountingIn:
         return True
 
     def left(self, beat: float) -> int:
-        """Beats still to be counted, this one included; 0 when nothing is counted."""
+        """Return the beats still to be counted, this one included; 0 without a count-in."""
         return 0 if self._one is None else math.ceil(self._one - beat)

@@ -1,7 +1,4 @@
-"""DirectSource: MIDI clock, Ableton Link, time code: they come filtered, and the newest word is the truth.
-
-HandSource: a grid that a person made: the internal clock's tempo, or taps.
-"""
+"""Clock sources without a tracker: MIDI clock, Ableton Link and time code, and grids set by hand (tempo or taps)."""
 
 import math
 from typing import Final
@@ -10,18 +7,18 @@ from live.clock.follower.clock_source import HeardSource, Lines, Said, State
 from live.clock.timeline import Grid
 
 SILENCE: Final = 0.35
-"""A source that says nothing for so much [s] longer than a beat is gone, should nobody have told."""
+"""A source without observations for this long [s] beyond a beat is lost, if nothing reported that."""
 
 AGREES_BEATS: Final = 0.06
 AGREES_TEMPO: Final = 0.03
-"""A statement within this of the one before confirms it (beats; relative)."""
+"""An observation this near to the one before confirms it (beats; relative)."""
 
 SURE: Final = 0.99
-"""A statement of this confidence needs no second one."""
+"""An observation of this confidence needs no confirmation."""
 
 
 class DirectSource(HeardSource):
-    """Keeps the last statement. Locked from the second that agrees with the one before, or the first that is sure."""
+    """Keeps the last observation. Locked from the second one that agrees with the first, or from one that is sure."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -30,20 +27,20 @@ class DirectSource(HeardSource):
         self._beats = 0
         self._measure = -1
         self.anchored = True
-        """False while its beats are even but their place is arbitrary: then only their drift is followed."""
+        """False while the phase of its beats is arbitrary: then only their drift is followed."""
         self._fresh = True
 
     def raw(self) -> Grid | None:
-        """Its own beats."""
+        """Return its own beats."""
         return self._grid
 
     @property
     def measure(self) -> int:
-        """The source's own number of the measure of its last statement, from 0; -1: unknown."""
+        """The source's own measure number of its last observation, from 0; -1: unknown."""
         return self._measure
 
     def heard(self, said: Said, now: float) -> None:
-        """Take over what is said."""
+        """Adopt an observation."""
         if self.too_late(said) and not said.jump:
             return
         self.silent_since = None
@@ -55,7 +52,7 @@ class DirectSource(HeardSource):
         if said.anchored and not self.anchored:
             self.level.straighten()
         elif self.anchored and not said.anchored and before is not None:
-            # the beats go on where they were, whatever the count says
+            # keep the phase of the beats, whatever the count says
             self.level.shift((grid.beat_at(now) - before.beat_at(now)) * self.level.factor)
         self.anchored = said.anchored
         self._grid, self._measure = grid, said.measure
@@ -70,25 +67,25 @@ class DirectSource(HeardSource):
         self._fresh = False
 
     def lean(self, beat: float, now: float) -> None:
-        """Where the place of the beats is arbitrary: the danced beat at `now` [s] is `beat` from here on."""
+        """If the phase is arbitrary, set the danced beat at `now` [s] to `beat`."""
         raw = self.raw()
         if raw is not None and not self.anchored:
             at = self.level.danced(raw.beat_at(now - self.offset))
             self.level.shift(at - beat)
 
     def own_lines(self) -> Lines | None:
-        """Its measure lines; they are certain where it knows them."""
+        """Return its measure lines, which are certain if known."""
         if self._line is None or self._beats < 1:
             return None
         return Lines(self._line, float(self._beats), math.inf)
 
     def silent(self, now: float) -> None:
-        """It has stopped."""
+        """Handle a stop."""
         super().silent(now)
         self._fresh = True
 
     def watch(self, now: float) -> None:
-        """Notice that nothing comes any more."""
+        """Detect missing observations."""
         if self.ready and self._grid is not None and now - self.heard_at > self._grid.period + SILENCE:
             self.lost(now)
 
@@ -105,11 +102,11 @@ class DirectSource(HeardSource):
 
 
 RULE: Final = 8.0
-"""Seconds after the last tap, or tempo set by hand, in which the ear is not asked."""
+"""Seconds after the last tap, or manual tempo, in which audio is ignored."""
 
 
 class HandSource:
-    """Keeps its grid until it is given another one."""
+    """Keeps its grid until it gets another one."""
 
     def __init__(self, name: str, grid: Grid | None = None) -> None:
         self.name = name
@@ -118,7 +115,7 @@ class HandSource:
         self.jumped = False
         self._grid = grid
         self.rules_until = -math.inf
-        """Until then the hand's word stands over what is heard [s]."""
+        """Until this time it has priority over audio [s]."""
 
     @property
     def ready(self) -> bool:
@@ -126,24 +123,24 @@ class HandSource:
         return self._grid is not None
 
     def grid(self) -> Grid | None:
-        """Its beats."""
+        """Return its beats."""
         return self._grid
 
     def lines(self) -> Lines | None:
-        """A hand says where the measures begin by other means."""
+        """Return None: measure lines are set by hand through other calls."""
         return None
 
     def watch(self, now: float) -> None:
-        """A hand does not go away; when its rule is over it is no longer sure."""
+        """Update the state: never lost, but no longer locked when its priority ends."""
         if self.name == "tap" and self.ready:
             self.state = "locked" if now < self.rules_until else "following"
 
     def take(self, grid: Grid, now: float) -> None:
-        """These are the beats, and for the next seconds nothing heard contradicts them."""
+        """Set the beats, with priority over audio for the next seconds."""
         self._grid, self.confidence = grid, 1.0
         self.state = "locked"
         self.rules_until = now + RULE
 
     def keep(self, grid: Grid) -> None:
-        """The same beats a little elsewhere; how long they rule stays as it was."""
+        """Replace the grid by a slightly corrected one; its priority does not change."""
         self._grid = grid

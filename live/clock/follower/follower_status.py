@@ -1,4 +1,4 @@
-"""Seen: what a follower shows of itself: the Timeline, who rules, how sure that is, what jumped."""
+"""Read-only status of a follower: timeline, active source, confidence, jumps."""
 
 import math
 
@@ -11,7 +11,7 @@ from live.clock.timeline import Timeline
 
 
 class Seen:
-    """The part of the follower that is read."""
+    """Read-only properties of the follower."""
 
     _sources: dict[str, Source]
     _run: Run
@@ -23,37 +23,37 @@ class Seen:
 
     @property
     def timeline(self) -> Timeline:
-        """The timeline in force."""
+        """The present timeline."""
         return self._run.timeline
 
     @property
     def tempo(self) -> float:
-        """The music's tempo [bpm], without the passing corrections that the timeline's carries."""
+        """The music's tempo [bpm], without the timeline's temporary corrections."""
         return self._run.goal.tempo
 
     @property
     def confidence(self) -> float:
-        """How sure the source in force is, 0 to 1; it fades in freewheel."""
+        """Confidence of the active source, 0 to 1; it fades in freewheel."""
         return self._share
 
     @property
     def source(self) -> str:
-        """Who rules: link | midi | mtc | audio | tap | internal."""
+        """The active source: link | midi | mtc | audio | tap | internal."""
         return self._ruling.name
 
     @property
     def choice(self) -> str:
-        """What the operator chose: auto, or a source's name."""
+        """The operator's choice: auto, or a source's name."""
         return self._ruling.choice
 
     @property
     def held(self) -> bool:
-        """Whether the hand holds the tempo."""
+        """Whether the tempo is held by hand."""
         return self._ruling.held
 
     @property
     def state(self) -> str:
-        """internal | following (heard, not yet sure) | locked | freewheel (nothing heard) | held (by hand)."""
+        """internal | following (not yet sure) | locked | freewheel (no input) | held (by hand)."""
         if self._ruling.held:
             return "held"
         if self._ruling.free:
@@ -69,21 +69,21 @@ class Seen:
 
     @property
     def jumps(self) -> int:
-        """How often the beat or the measure lines did not simply go on, since the start."""
+        """Number of jumps of the beat or the measure lines since the start."""
         return self._run.jumps
 
     @property
     def last_jump(self) -> Jump | None:
-        """The last of them."""
+        """The last jump."""
         return self._run.last_jump
 
     @property
     def counting_in(self) -> int:
-        """Beats that are still counted before the one; 0: none."""
+        """Beats still to be counted before the downbeat; 0: none."""
         return self._counting.left(self._run.beat(self._now)) if math.isfinite(self._now) else 0
 
     @property
     def source_measure(self) -> int:
-        """The number of the measure as the source in force counts, from 0; -1: it counts none."""
+        """The active source's own measure number, from 0; -1: unknown."""
         source = self._ruling.source
         return source.measure if isinstance(source, DirectSource) else -1

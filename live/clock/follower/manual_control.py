@@ -1,10 +1,5 @@
-"""HandControls: a musician's hand on the beat and the measure: the one, nudge, shift, metre, and who is followed.
-
-Seed: what the hand says that a tracker of sound should know, too.
-
-HandReach: what all that a musician's hand does needs: who may say what, and where it is put.
-
-HandTempo: a musician's hand on the tempo: taps, a number, half and double, hold, count-in.
+"""Manual control of tempo, beat and measures: taps, tempo, half and double, hold, count-in, downbeat, nudge, shift,
+metre and choice of source.
 """
 
 import math
@@ -26,11 +21,11 @@ Kind = Literal["tempo", "one", "scale", "metre", "forget"]
 
 @dataclass(frozen=True, slots=True)
 class Seed:
-    """One hint, for whoever tracks the sound.
+    """A manual setting that is passed on to the audio tracker.
 
-    tempo: `value` bpm, with a beat at `time` (NaN: nobody says where); one: a downbeat at `time`; scale: from now on
-    `value` times as many beats; metre: measures have `value` beats; forget: the hand's hints are void (the operator
-    restarted the sound).
+    tempo: `value` bpm, with a beat at `time` (NaN: unknown); one: a downbeat at `time`; scale: from now on
+    `value` times as many beats; metre: measures have `value` beats; forget: all manual hints are void (the operator
+    restarted the audio).
     """
 
     kind: Kind
@@ -40,14 +35,14 @@ class Seed:
 
 
 PLAUSIBLE: Final = 60.0
-"""An event's time lies at most this far from now [s]; ..."""
+"""Maximum distance of an event's time from now [s]; ..."""
 
 START_PLAUSIBLE: Final = 1e7
-"""... before the first tick it is at most this [s]."""
+"""... before the first tick, maximum absolute time [s]."""
 
 
 class HandReach(Seen):
-    """What hands reach of the follower. Nothing here moves the beat: that is for the next tick."""
+    """Common parts of manual control. Nothing here moves the beat: the next tick does."""
 
     _measures: Measures
     _audio: AudioSource
@@ -58,17 +53,17 @@ class HandReach(Seen):
     _scale: float
 
     rejected = 0
-    """Inputs refused because they cannot be true, since the start."""
+    """Number of implausible inputs since the start."""
     refusal = ""
-    """The last thing asked for that the source in force does not allow, in words; the number of them: `refused`."""
+    """Message for the last input that the active source does not allow; `refused` counts them."""
     refused = 0
     hand_tempo: tuple[int, float] = (0, 0.0)
-    """How often the hand has said a tempo, and the last one [bpm]."""
+    """Number of manual tempo settings, and the last one [bpm]."""
     on_seed: Callable[[Seed], None] | None = None
-    """Told, in the show's thread, what a tracker of sound should know."""
+    """Callback, in the show's thread, with settings for the audio tracker."""
 
     def _unsure(self) -> bool:
-        """Whether nobody else knows where the beat is, so that a hand may say."""
+        """Whether no other source determines the phase of the beat, so that it may be set by hand."""
         ruling = self._ruling
         if ruling.free or ruling.held or ruling.name == "internal":
             return True
@@ -78,7 +73,7 @@ class HandReach(Seen):
         return isinstance(source, HandSource) and self._now >= source.rules_until
 
     def _place(self, grid: Grid, time: float) -> None:
-        """These are the beats, where the hand may say."""
+        """Set the beats of sources whose phase may be set by hand."""
         source = self._ruling.source
         self._run.goal = grid
         if isinstance(source, HandSource):
@@ -95,7 +90,7 @@ class HandReach(Seen):
             source.keep(Grid(grid.time + seconds, grid.period, grid.number))
 
     def _by_hand(self, source: HandSource, grid: Grid, time: float) -> None:
-        """A tempo by hand rules for some seconds, whoever was heard."""
+        """Give a manual tempo priority over audio for some seconds."""
         source.take(grid, max(time, self._now))
         self._audio.take(grid, source.rules_until)
         if self._ruling.held:
@@ -105,7 +100,7 @@ class HandReach(Seen):
             self._run.goal = grid
 
     def _hand_may(self, what: str) -> bool:
-        """Whether taps and tempo by hand may rule now; a clock that rules says the tempo itself."""
+        """Whether taps and manual tempo are allowed now; an active clock source determines the tempo itself."""
         ruling = self._ruling
         if ruling.held or ruling.choice in ("tap", "internal") or not ruling.exact:
             return True
@@ -123,7 +118,7 @@ class HandReach(Seen):
         self._measures.pin()
 
     def _count(self, first: int) -> None:
-        """The count begins with the beat `first`, and so do the measures."""
+        """Begin the count and the measures at the beat `first`."""
         self._set_line(first)
         self._counting.begin(first, self._run.timeline.beats_per_measure)
         self._seed("one", self._run.timeline.time_at(first))
@@ -138,7 +133,7 @@ class HandReach(Seen):
             self.on_seed(Seed(kind, time, value))
 
     def _plausible(self, time: float) -> bool:
-        """Whether a time may be that of an event of now; counts it as rejected if not."""
+        """Whether a time is plausible for a present event; count it as rejected if not."""
         good = abs(time - self._now) <= PLAUSIBLE if math.isfinite(self._now) else abs(time) <= START_PLAUSIBLE
         self.rejected += not good
         return good
@@ -154,10 +149,10 @@ class HandReach(Seen):
 
 
 class HandTempo(HandReach):
-    """How fast."""
+    """Manual control of the tempo."""
 
     def tap(self, time: float) -> None:
-        """A tap; from the third on tempo and phase are the taps', and which half beat is the beat stays theirs."""
+        """Process a tap; from the third on, taps determine tempo, phase, and which half beat is the beat."""
         if not self._plausible(time):
             return
         grid = self._taps.tap(time)
@@ -173,7 +168,7 @@ class HandTempo(HandReach):
             self._count(grid.number + round((time - grid.time) / grid.period) + 1)
 
     def set_tempo(self, bpm: float, time: float) -> None:
-        """Run at `bpm` from `time` on, with no step in the beat."""
+        """Set the tempo to `bpm` from `time` on, without a step in the beat."""
         if not self._plausible(time):
             return
         if not TEMPO_MIN_BPM <= bpm <= TEMPO_MAX_BPM:
@@ -191,7 +186,7 @@ class HandTempo(HandReach):
         self._run.timeline = self._run.timeline.with_tempo(bpm, now)
 
     def scale_tempo(self, factor: float, time: float) -> None:
-        """Half or double tempo, from the next beat that both have."""
+        """Halve or double the tempo, from the next beat common to both."""
         if not self._plausible(time):
             return
         if factor not in (0.5, 2.0) or not TEMPO_MIN_BPM <= self._run.goal.tempo * factor <= TEMPO_MAX_BPM:
@@ -200,7 +195,7 @@ class HandTempo(HandReach):
         self._scale = 1.0 if self._scale * factor == 1.0 else factor
 
     def hold(self, on: bool, time: float) -> None:
-        """Freeze the tempo, or follow again; the beat does not notice."""
+        """Hold the tempo, or follow again, without a step in the beat."""
         if not self._plausible(time) or on == self._ruling.held:
             return
         self._ruling.held = on
@@ -208,9 +203,9 @@ class HandTempo(HandReach):
             self._run.freeze(self._now if math.isfinite(self._now) else time)
 
     def count_in(self, measures: float, time: float) -> None:
-        """So many measures are counted, then comes the one: from the next beat, or after a measure of taps.
+        """Count in the given number of measures: from the next beat, or after a measure of taps.
 
-        From the next beat where somebody knows it: a source, or the hand that holds it.
+        From the next beat if its phase is known, from a source or because the tempo is held.
         """
         if not self._plausible(time) or not self._bounded(measures, 16.0):
             return
@@ -220,12 +215,12 @@ class HandTempo(HandReach):
 
 
 class HandControls(HandTempo):
-    """Where the beat is."""
+    """Manual control of beat and measures."""
 
     def one(self, time: float) -> None:
-        """The beat nearest to `time` is the first of a measure; where nobody is sure of the beat, `time` is the beat.
+        """Make the beat nearest to `time` the first of a measure; if the beat is uncertain, put a beat at `time`.
 
-        Said before the beats are sure, it is counted back to when they are.
+        If the beats are not sure yet, measures are counted back to `time` once they are.
         """
         if not self._plausible(time):
             return
@@ -241,7 +236,7 @@ class HandControls(HandTempo):
         self._seed("one", time)
 
     def nudge(self, seconds: float, time: float) -> None:
-        """The beats are so much later [s], against what the source in force says."""
+        """Move the beats later by this time [s], relative to the active source."""
         if not self._plausible(time) or not self._bounded(seconds, 1.0):
             return
         self._move_goal(seconds)
@@ -250,7 +245,7 @@ class HandControls(HandTempo):
             source.nudge(seconds)
 
     def shift_beats(self, beats: float, time: float) -> None:
-        """The measure lines are so many beats later; half a beat moves the beats themselves to the off-beat."""
+        """Move the measure lines later by this many beats; half a beat moves the beats themselves to the off-beat."""
         if not self._plausible(time) or not self._bounded(beats, 16.0):
             return
         halves = math.floor(2.0 * beats + 0.5)
@@ -266,7 +261,7 @@ class HandControls(HandTempo):
             self._seed("one", self._next_line_time())
 
     def set_metre(self, beats: float, time: float) -> None:
-        """Measures of so many beats from the next line on."""
+        """Set the beats in a measure from the next line on."""
         if not self._plausible(time) or not self._bounded(beats, METRE_MAX):
             return
         if round(beats) < METRE_MIN:
@@ -276,7 +271,7 @@ class HandControls(HandTempo):
         self._seed("metre", time, float(round(beats)))
 
     def choose(self, name: str) -> None:
-        """Follow this source, once it is there, from a measure line on; "auto": by priority."""
+        """Follow this source, once it is available, from a measure line on; "auto": by priority."""
         if name != "auto" and name not in self._sources:
             self._refuse(f"no clock source is called {name!r}; there are auto, {', '.join(self._sources)}")
             return

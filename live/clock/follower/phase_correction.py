@@ -1,7 +1,4 @@
-"""Run: the Timeline in force, and how it is run after a grid: faster or slower within bounds, or by a leap forward.
-
-Jump: what is announced when the beat or the measure lines do not simply go on.
-"""
+"""Phase correction: a timeline that follows a goal grid within slew limits, or by an announced leap forward."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,14 +7,15 @@ from typing import Final, Literal
 from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM, Grid, Timeline
 
 Cause = Literal["start", "new song", "one", "lines", "hand", "first downbeat"]
-"""start: the source started or moved its song position; new song: after silence the tempo is another one; one: "this
-is the one"; lines: the source's measure lines are taken over; hand: nudged by beats, halved or doubled; first downbeat:
-the measures are counted back to the known first one."""
+"""start: the source started or moved its song position; new song: another tempo after silence; one: a tap on the
+downbeat; lines: the source's measure lines are adopted; hand: nudged by beats, halved or doubled; first downbeat:
+the measures are counted back to the known first one.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """At `time` [s] the beat went from `before` to `after` (equal where only the measure lines moved)."""
+    """A jump of the beat at `time` [s] from `before` to `after` (equal if only the measure lines moved)."""
 
     time: float
     before: float
@@ -27,38 +25,38 @@ class Jump:
 
 CORRECTION_TIME: Final = 0.8
 CORRECTION_TIME_EXACT: Final = 0.4
-"""Time constant with which a phase error is run in [s]; after a clock that names exact times."""
+"""Time constant of the phase correction [s]; the second for clocks with exact times."""
 
 SLEW_LOCKED: Final = 0.12
 SLEW_UNLOCKED: Final = 0.20
-"""How much faster or slower than the music the beats may run to catch up with it."""
+"""Slew limits: relative change of the tempo for catching up."""
 
 LEAP_BEATS: Final = 0.12
-"""A jump of the beat by less than this is run in like any other error."""
+"""A jump of the beat by less than this is corrected gradually, like any other error."""
 
 
 class Run:
-    """A Timeline whose beat strictly increases: each tick it is given a tempo that brings it to the goal."""
+    """A timeline with a strictly increasing beat; each tick sets a tempo that leads to the goal."""
 
     def __init__(self, timeline: Timeline, goal: Grid) -> None:
         self.timeline = timeline
         self.goal = goal
-        """What it is run after; its numbers are the Timeline's."""
+        """The grid that it follows; its numbers are the timeline's."""
         self.jumps = 0
-        """How often beat or measure lines did not simply go on."""
+        """Number of jumps of beat or measure lines."""
         self.last_jump: Jump | None = None
         self._leap: Cause | None = None
 
     def beat(self, now: float) -> float:
-        """The beat at `now` [s]."""
+        """Return the beat at `now` [s]."""
         return self.timeline.beat_at(now)
 
     def error(self, now: float) -> float:
-        """How far the goal is ahead [beats]."""
+        """Return how far the goal is ahead [beats]."""
         return self.goal.beat_at(now) - self.timeline.beat_at(now)
 
     def freeze(self, now: float) -> None:
-        """Go on as at `now` [s], the last tick, with nothing left to correct."""
+        """Continue from `now` [s], the last tick, with the error set to zero."""
         beat, period = self.beat(now), self.goal.period
         number = math.floor(beat)
         self.goal = Grid(now - (beat - number) * period, period, number)
@@ -66,15 +64,15 @@ class Run:
 
     @property
     def leaping(self) -> bool:
-        """Whether the next tick brings a leap."""
+        """Whether the next tick makes a leap."""
         return self._leap is not None
 
     def leap_soon(self, cause: Cause) -> None:
-        """At the next tick the goal is taken at once."""
+        """Jump to the goal at the next tick."""
         self._leap = cause
 
     def to(self, now: float, *, slew: float, exact: bool = False) -> None:
-        """The Timeline from `now` [s] on: toward the goal, by at most the share `slew` faster or slower."""
+        """Set the timeline from `now` [s] on: towards the goal, by at most the share `slew` faster or slower."""
         if self._leap is not None:
             self._leap_now(now, self._leap)
             self._leap = None
@@ -85,7 +83,7 @@ class Run:
         self.timeline = self.timeline.with_tempo(tempo, now)
 
     def line(self, beat: float, now: float, cause: Cause, *, beats_per_measure: int | None = None) -> None:
-        """A measure begins at `beat` from now on; announced if that moves the lines."""
+        """Start a measure at `beat`, from now on; announce it if that moves the lines."""
         before = self.timeline
         self.timeline = before.with_line(beat, now, beats_per_measure=beats_per_measure)
         same = before.beats_per_measure == self.timeline.beats_per_measure
@@ -95,7 +93,7 @@ class Run:
             self.timeline = before
 
     def count_from(self, one_at: float, now: float) -> None:
-        """The measures begin where the music's known first downbeat was, counted back along the goal."""
+        """Count the measures from the music's known first downbeat, back along the goal."""
         before = self.timeline
         straight = replace(before, beat_origin=self.goal.beat_at(one_at), time_origin=one_at)
         self.timeline = replace(before, measure_origin=straight.with_one_at(one_at).measure_origin)
@@ -103,11 +101,11 @@ class Run:
             self._announce(Jump(now, self.beat(now), self.beat(now), "first downbeat"))
 
     def announce_one(self, now: float) -> None:
-        """A count-in is over: the measure that begins is the first."""
+        """Announce the end of a count-in: the measure that begins is the first."""
         self._announce(Jump(now, self.beat(now), self.beat(now), "one"))
 
     def _leap_now(self, now: float, cause: Cause) -> None:
-        """Forward to the goal's place in the beat, by less than one beat; or, if that is very near, run there."""
+        """Leap forward to the goal's phase, by less than one beat; if it is very near, leave it to the correction."""
         error = self.error(now)
         whole = wholes_off(error)
         self.goal = replace(self.goal, number=self.goal.number - whole)
@@ -123,5 +121,5 @@ class Run:
 
 
 def wholes_off(error: float) -> int:
-    """How many whole beats the goal is to be counted down, so that a leap to it goes forward by less than a beat."""
+    """Return by how many whole beats to lower the goal, so that a leap to it goes forward by less than a beat."""
     return math.floor(error + LEAP_BEATS)

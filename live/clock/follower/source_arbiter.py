@@ -1,4 +1,4 @@
-"""Ruling: which source is followed, when another takes over, and what is run after while none can be."""
+"""Source selection: the active source, hand-over between sources, and free running without one."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,54 +12,56 @@ from live.clock.follower.phase_correction import Run, wholes_off
 from live.clock.timeline import Grid
 
 PRIORITY: Final = ("link", "midi", "mtc", "audio", "tap", "internal")
-"""Who is followed first, unless the patch or the operator says otherwise."""
+"""Default priority of the sources."""
 
 GRACE: Final = 2.0
-"""After the loss of a source its tempo runs on alone for so long [s] before one of lower rank takes over."""
+"""After the loss of a source its tempo is held this long [s] before a source of lower priority takes over."""
 
 NEW_SONG_SILENCE: Final = 2.0
 NEW_SONG_TEMPO: Final = 0.04
-"""After so much silence [s] a tempo that differs by so much (natural logarithm) is another song's."""
+"""After this much silence [s] a tempo that differs by this much (natural logarithm) is a new song's."""
 
 ANOTHER_BEAT: Final = 0.6
-"""A source whose beat is this far off [beats] is nearer to another of ours: it is counted anew, none is skipped."""
+"""A source whose beat is this far off [beats] is renumbered to our nearest beat; none is skipped."""
 
 
 class Ruling:
-    """Chooses among sources and keeps `run.goal` at what the one that rules says."""
+    """Selects a source and sets `run.goal` to its beats."""
 
     def __init__(
         self, sources: Mapping[str, Source], run: Run, measures: Measures, *,
         priority: Sequence[str] = PRIORITY, tempo_range: tuple[float, float] = (40.0, 240.0),
     ) -> None:  # fmt: skip
-        """`priority`: names, first rank first, those left out are never followed; `tempo_range` [bpm]: sources that
-        are outside are halved or doubled into it."""
+        """`priority`: names, highest first; sources left out are never followed. `tempo_range` [bpm]: slower or faster
+        sources
+        are doubled or halved into it.
+        """
         self._sources, self._run, self._measures = sources, run, measures
         self._priority, self._range = tuple(priority), tempo_range
         self.choice = "auto"
         self.name = "internal"
-        """Who rules."""
+        """Name of the active source."""
         self.free = False
-        """Whether who rules has nothing to say: the tempo runs on alone."""
+        """Whether the active source has no beats: the tempo is held."""
         self.held = False
-        """Whether the hand holds the tempo."""
+        """Whether the tempo is held by hand."""
         self._free_since = -math.inf
         self._tempo_lost = 0.0
         self.shift = 0
-        """What is added to the source's numbers of beats to have the Timeline's."""
+        """Offset from the source's beat numbers to the timeline's."""
 
     @property
     def source(self) -> Source:
-        """Who rules."""
+        """The active source."""
         return self._sources[self.name]
 
     @property
     def exact(self) -> bool:
-        """Whether a clock rules that no hand may contradict."""
+        """Whether the active source is a clock that manual input may not override."""
         return isinstance(self.source, DirectSource) and not self.free
 
     def update(self, now: float, *, crossed: bool) -> None:
-        """Notice loss and return, hand over where that is due (`crossed`: a measure line lies just behind)."""
+        """Detect loss and return, and change the source if due (`crossed`: a measure line was just crossed)."""
         if self.held:
             return
         if not self.source.ready and not self.free:
@@ -74,7 +76,7 @@ class Ruling:
         self._aim(now)
 
     def take(self, name: str, now: float) -> None:
-        """`name` rules from now on; the beat goes on where it is and is run to the new one's."""
+        """Make `name` the active source; the beat continues and is slewed to the new one."""
         run, before, was_free = self._run, self.name, self.free
         self.name, self.free = name, False
         source = self.source
@@ -95,7 +97,7 @@ class Ruling:
             self._measures.unpin()
 
     def _wanted(self, now: float) -> str:
-        """Who should rule."""
+        """Return the source that should be active."""
         if self.choice != "auto":
             return self.choice if self._available(self.choice, now) else self.name
         if self.name == "tap" and self._rules(self.source, now):
@@ -130,7 +132,7 @@ class Ruling:
                 source.level.fold(raw.tempo, *self._range)
 
     def _aim(self, now: float) -> None:
-        """Set the goal to what the source says; a jump of the source is taken at once."""
+        """Set the goal to the source's grid; follow a jump of the source at once."""
         run, source = self._run, self.source
         if self.free:
             return

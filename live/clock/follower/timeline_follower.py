@@ -1,4 +1,4 @@
-"""TimelineFollower: what all sources and hands say in, one Timeline out that never goes back and never stands still."""
+"""Timeline follower: combines all sources and manual control into one timeline that never stops or goes back."""
 
 import math
 from collections.abc import Sequence
@@ -18,23 +18,23 @@ from live.clock.timeline import Grid, Timeline
 __all__ = ["SLEW_LOCKED", "SLEW_UNLOCKED", "TimelineFollower"]
 
 ONE_WITHIN: Final = 30.0
-"""How long before or after the known first downbeat [s] a first lock may count measures to it."""
+"""Maximum distance of the first lock from the known first downbeat [s] for measures to be counted from it."""
 
 FADE: Final = 8.0
-"""Seconds in which confidence falls to 1/e while nothing is heard."""
+"""Time constant of the confidence while there is no input [s]."""
 
 NEAR: Final = 0.1
 FAR: Final = 0.25
-"""A lock is reported from when the Timeline is so near to the source's beat until it is so far from it [beats]."""
+"""A lock begins when the timeline is this near to the source's beat, and ends when it is this far from it [beats]."""
 
 
 class TimelineFollower(HandControls):
-    """Runs a Timeline after what is heard and tapped; pure: all times [s] are given, none is read.
+    """Follows audio, clocks and taps with a Timeline; pure: all times [s] are given.
 
-    Sources: link, midi, mtc, audio (heard), tap, internal. One rules; the Timeline runs after its beats by going up to
-    12 % (20 % while not locked) faster or slower. Only a jump that is announced (`jumps`, `last_jump`) moves the beat
-    otherwise: forward, by less than a beat. Whatever is not finite, or absurd, is counted in `rejected` and changes
-    nothing.
+    Sources: link, midi, mtc, audio, tap, internal. One is active; the timeline approaches its beats by running up to
+    12 % (20 % while not locked) faster or slower. Only an announced jump (`jumps`, `last_jump`) moves the beat
+    otherwise: forward, by less than a beat. Input that is not finite, or implausible, is counted in `rejected` and
+    changes nothing.
     """
 
     def __init__(
@@ -50,9 +50,10 @@ class TimelineFollower(HandControls):
     ) -> None:
         """Start on the internal clock at `tempo` [bpm], with a downbeat at `one_at` [s] (0 if not given).
 
-        `known_tempo` [bpm] is what the music's score says: it is run from the start and settles the octave.
-        `priority`: sources by rank, those left out are never followed; `tempo_range` [bpm]: into it slower or faster
-        sources are doubled or halved; `follow_metre`: a source may change how many beats a measure has.
+        `known_tempo` [bpm], from the music's score, is used from the start and settles the octave.
+        `priority`: sources by rank, those left out are never followed; `tempo_range` [bpm]: slower or faster sources
+        are
+        doubled or halved into it; `follow_metre`: a source may change the number of beats in a measure.
         """
         begin = 0.0 if one_at is None else one_at
         timeline = Timeline(
@@ -75,7 +76,7 @@ class TimelineFollower(HandControls):
         self._locked = False
         self._share = 0.0
 
-    # -- what is heard -----------------------------------------------------------------------------------------
+    # -- sources -------------------------------------------------------------------------------------------------
 
     def heard(
         self,
@@ -91,7 +92,8 @@ class TimelineFollower(HandControls):
         jump: bool = False,
         anchored: bool = True,
     ) -> None:
-        """A source's statement, received at `now`: a beat at `beat_time`, `period` [s] to the next; see BeatHeard."""
+        """Process a source's observation, received at `now`: a beat at `beat_time`, `period` [s] to the next; see
+        BeatHeard."""
         said = Said(beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored)
         heard = self._sources.get(source)
         if not isinstance(heard, HeardSource) or not said.plausible(now) or not self._plausible(now):
@@ -100,19 +102,19 @@ class TimelineFollower(HandControls):
         heard.heard(said, max(now, self._now))
 
     def silent(self, time: float, source: str = "audio") -> None:
-        """Nothing is played any more: the tempo is kept, the beats run on."""
+        """Handle silence: the tempo is kept, the beats continue."""
         self._changed(time, source, "silent")
 
     def paused(self, time: float, source: str = "audio") -> None:
-        """Nothing is to be heard for longer than usual: the beats run on alone, what was heard stays believed."""
+        """Handle a pause longer than usual: the beats continue, earlier observations stay valid."""
         self._changed(time, source, "paused")
 
     def lost(self, time: float, source: str = "audio") -> None:
-        """The source went away: as in silence."""
+        """Handle the loss of a source: as silence."""
         self._changed(time, source, "lost")
 
     def found(self, time: float, source: str = "audio") -> None:
-        """There is something to hear again: what comes now is judged afresh, the beats run on until it is sure."""
+        """Handle the return of sound: the beats continue until the new ones are sure."""
         self._changed(time, source, "found")
 
     def _changed(self, time: float, source: str, what: str) -> None:
@@ -126,7 +128,7 @@ class TimelineFollower(HandControls):
     # -- time --------------------------------------------------------------------------------------------------
 
     def advance(self, now: float) -> Timeline:
-        """The timeline from `now` [s] on; called each tick. A time before the last one changes nothing."""
+        """Return the timeline from `now` [s] on; called each tick. A time before the last one changes nothing."""
         if not math.isfinite(now) or now < self._now:
             return self.timeline
         last, self._now = self._now, now
@@ -145,7 +147,7 @@ class TimelineFollower(HandControls):
         return run.timeline
 
     def _judge(self, now: float, elapsed: float) -> None:
-        """Whether the Timeline is where the source is, and how sure that is."""
+        """Update lock and confidence: whether the timeline is where the source is."""
         source = self._ruling.source
         if self._ruling.free:
             self._share *= math.exp(-elapsed / FADE)
@@ -159,7 +161,7 @@ class TimelineFollower(HandControls):
             self._count_from_one(now)
 
     def _count_from_one(self, now: float) -> None:
-        """At the first lock: the measures begin where the music's known first downbeat was."""
+        """At the first lock, count the measures from the music's known first downbeat."""
         if self._one_at is None:
             return
         if abs(now - self._one_at) <= ONE_WITHIN:
@@ -168,7 +170,7 @@ class TimelineFollower(HandControls):
         self._one_at = None
 
     def _scale_at_beat(self, last: float, now: float) -> None:
-        """Half or double tempo comes with a beat that both have; where beats fall away, with an even one."""
+        """Apply half or double tempo at a beat common to both; if beats are dropped, at an even one."""
         if self._scale == 1.0 or not math.isfinite(last):
             return
         run, beat = self._run, math.floor(self._run.beat(now))

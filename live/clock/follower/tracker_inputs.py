@@ -1,9 +1,7 @@
-"""ConsensusEar: statements of a tracker that hears single beats (aubio): the grid that they have in common.
+"""Inputs from audio trackers: a consensus for plain beat trackers (aubio), and smoothing for bar pointers.
 
-PointerEar: statements of a tracker that keeps its own hypotheses (a bar pointer), smoothed and guarded.
-
-The tracker is believed in tempo, beat and measure; what is left here is its jitter, single wild statements (fills),
-and to change over at once when several of them agree on something else (a new tempo).
+A bar pointer's tempo, beat and measure are accepted. The input removes its jitter and single outliers (fills), and
+changes over at once when several observations agree on something else (a new tempo).
 """
 
 import math
@@ -15,62 +13,63 @@ from live.clock.follower.clock_source import Lines, Said
 from live.clock.timeline import Grid
 
 CHALLENGE: Final = 1.3
-"""A grid that contradicts the present one needs this much more support, from ..."""
+"""A grid that contradicts the present one needs more support by this factor, from ..."""
 
 CHALLENGE_SPAN: Final = 2.0
-"""... at least three estimates over at least these seconds: one decision of a tracker may sound like several."""
+"""... at least three estimates over at least this many seconds: one decision of a tracker may look like several."""
 
 SAME_BEATS: Final = 0.1
-"""Beats within this [beats] are the same; farther apart than `Consensus` lets estimates speak for a grid it must not
-be, or a grid could be neither confirmed by what is heard nor give way to it."""
+"""Beats within this [beats] are the same. It must not exceed the distance within which `Consensus` lets estimates
+support a grid, or a grid could be neither confirmed nor replaced.
+"""
 
 HAND_OCTAVES: Final = 0.15
 KNOWN_OCTAVES: Final = 0.12
-"""How narrowly a tempo that somebody tapped, typed or wrote down rules the choice of octave."""
+"""Width of the prior around a tempo that was tapped, typed or written in the score [octaves]."""
 
 
 class ConsensusEar:
-    """Which grid the estimates of the last seconds mean."""
+    """Finds the grid on which the estimates of the last seconds agree."""
 
     def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
-        """`grid` is what is run while nothing is heard; `known_tempo` [bpm] settles the octave."""
+        """`grid` is used until there are beats; `known_tempo` [bpm] settles the octave."""
         self.grid = grid
         self._prefer = Preference() if known_tempo is None else Preference(known_tempo, KNOWN_OCTAVES)
         self._consensus = Consensus()
         self._first = True
         self.share = 0.0
-        """The share of what was lately heard that agrees with the grid, 0 to 1."""
+        """Share of the recent estimates that agree with the grid, 0 to 1."""
         self.believed = False
-        """Whether several estimates since the last `clear` mean the grid."""
+        """Whether several estimates since the last `clear` support the grid."""
 
     @property
     def sure(self) -> bool:
-        """Whether most of what was heard agrees."""
+        """Whether most of the recent estimates agree."""
         return self.believed and self.share >= 0.5 and len(self._consensus) >= 4
 
     def clear(self) -> None:
-        """What comes now is judged afresh."""
+        """Reset the estimates."""
         self._consensus.clear()
         self.believed = False
 
     def take(self, grid: Grid) -> None:
-        """The hand says what the beat is, and which of the half beats."""
+        """Set the beats by hand, including which half beat is the beat."""
         self.grid = grid
         self._prefer = Preference(grid.tempo, HAND_OCTAVES)
         self._consensus.clear()
 
     def keep_half_beats(self) -> None:
-        """Estimates half a beat off speak for the grid, too: somebody tapped which of the two is the beat."""
+        """Let estimates half a beat off support the grid too: a tap has decided which of the two is the beat."""
         self._consensus.half_beats = True
 
     def heard(self, said: Said, now: float, *, decide: bool) -> None:
-        """Remember a statement, and unless the hand rules decide what all say together."""
+        """Add an observation and, unless manual settings have priority, decide on the grid."""
         self._consensus.add(Heard(said.time, said.period, 0.3 + 0.7 * min(max(said.confidence, 0.0), 1.0)), now)
         if decide:
             self._decide(now)
 
     def _decide(self, now: float) -> None:
-        """Keep the grid and refine it, or take another that several estimates agree on."""
+        """Keep and refine the grid, or replace it by another one that several estimates support."""
         consensus = self._consensus
         support, share = consensus.support(self.grid, now)
         support *= self._prefer.of(self.grid.period)
@@ -108,18 +107,20 @@ class ConsensusEar:
 AGREED: Final = 3
 AGREED_SURE: Final = 2
 SURE: Final = 0.6
-"""So many statements that contradict the beats but agree with each other take over; fewer if they are so sure."""
+"""Number of observations that contradict the beats but agree with each other after which they replace the beats; fewer
+if all have the confidence `SURE`.
+"""
 
 AGREES_BEATS: Final = 0.15
 AGREES_TEMPO: Final = 0.06
-"""How near two statements must be to agree (beats; relative)."""
+"""Maximum difference of two observations that agree (beats; relative)."""
 
 SHARE_MEMORY: Final = 0.2
-"""Share of the newest statement in the share that fits."""
+"""Weight of the newest observation in the share that fits."""
 
 
 class PointerEar:
-    """What a tracker with a bar pointer says."""
+    """Smooths the observations of a tracker with a bar pointer."""
 
     def __init__(self) -> None:
         self._filter: BeatFilter | None = None
@@ -129,33 +130,33 @@ class PointerEar:
         self._votes = 0
         self._voted = -1
         self.share = 0.0
-        """Lately, how much of what was said fitted, weighted with its confidence, 0 to 1."""
+        """Share of the recent observations that fitted, weighted by confidence, 0 to 1."""
         self.restarts = 0
-        """How often the beats were given up for others."""
+        """Number of times the beats were replaced by others."""
 
     @property
     def grid(self) -> Grid | None:
-        """The tracker's beats; None before any."""
+        """The tracker's beats; None before the first."""
         return None if self._filter is None else self._filter.grid
 
     @property
     def believed(self) -> bool:
-        """Whether several statements agree."""
+        """Whether several observations agree."""
         return self._filter is not None and self._filter.updates >= 2
 
     @property
     def sure(self) -> bool:
-        """Whether many do, or the tracker is sure."""
+        """Whether many observations agree with high confidence."""
         return self._filter is not None and self._filter.updates >= 4 and self.share >= 0.5
 
     def clear(self) -> None:
-        """What comes now is judged afresh."""
+        """Reset the input."""
         self._filter, self._line = None, None
         self._suspects.clear()
         self.share = 0.0
 
     def heard(self, said: Said) -> None:
-        """A statement: it fits, or is remembered as a suspect until others agree with it."""
+        """Process an observation: it fits, or is kept as a suspect until others agree with it."""
         if self._filter is None:
             self._start(said, 0)
             return
@@ -168,14 +169,14 @@ class PointerEar:
         if self._suspects and not _agree(self._suspects[-1], said):
             self._suspects.clear()
         if self._suspects and abs(said.time - self._suspects[-1].time) < 0.3 * said.period:
-            self._suspects.pop()  # the same beat, said again
+            self._suspects.pop()  # the same beat, reported again
         self._suspects.append(said)
         sure = min(suspect.confidence for suspect in self._suspects) >= SURE
         if len(self._suspects) >= (AGREED_SURE if sure else AGREED):
             self._change_over()
 
     def lines(self) -> Lines | None:
-        """Where the tracker's measures begin."""
+        """Return the tracker's measure lines."""
         return None if self._line is None else Lines(self._line, float(self._beats), float(self._votes))
 
     def _start(self, said: Said, number: int) -> None:
@@ -185,7 +186,7 @@ class PointerEar:
         self._vote(said)
 
     def _change_over(self) -> None:
-        """The suspects are right: the beats are theirs, numbered on."""
+        """Replace the beats by the suspects, with continued numbering."""
         assert self._filter is not None
         first, *others = self._suspects
         number = math.floor(self._filter.grid.beat_at(first.time) + 0.5)
@@ -197,7 +198,7 @@ class PointerEar:
         self.restarts += 1
 
     def _vote(self, said: Said) -> None:
-        """Count how many beats running name the same measure line; a beat said again counts once."""
+        """Count the consecutive beats with the same measure line; a repeated beat counts once."""
         assert self._filter is not None
         if said.beat < 0 or said.beats_per_measure < 1:
             return
@@ -213,7 +214,7 @@ class PointerEar:
 
 
 def _agree(one: Said, other: Said) -> bool:
-    """Whether two statements tell of the same beats."""
+    """Whether two observations are of the same beats."""
     if abs(math.log(other.period / one.period)) > AGREES_TEMPO:
         return False
     return abs(Grid(one.time, 0.5 * (one.period + other.period)).residual(other.time)) < AGREES_BEATS

@@ -1,1 +1,1 @@
-"""Building the graph: distances between poses, transitions, blends. It may import what `graph` may."""
+"""Construction of the graph: distances between poses, transitions, blends. It may import what `graph` may."""

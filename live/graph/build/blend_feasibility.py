@@ -1,4 +1,4 @@
-"""Which joins can be blended: point clouds do not see how far a limb is twisted, nor which way round a body turns."""
+"""Blend feasibility of joins: point clouds do not show limb twist or the direction in which a body turns."""
 
 from typing import Final
 
@@ -14,19 +14,19 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 MOMENTS: Final = np.linspace(0.2, 0.8, 7)
-"""Places in the blend, from its beginning to the measure line, at which the rotations are compared; before and after
+"""Positions in the blend, from its beginning to the measure line, at which the rotations are compared; before and after
 them one of the two hardly counts."""
 LEAST_ROOT: Final = 0.3
-"""Cosine of half the angle between the bodies: never farther than 145 degrees apart."""
+"""Cosine of half the maximum angle between the bodies: 145 degrees apart."""
 LEAST_CHORD: Final = 0.5
-"""Length of what is mixed of two unit rotations: shorter, it swings round in a moment. 1 where they are the same, 0
-where they are half a turn of sign apart and mixed half and half."""
+"""Minimum length of the mixture of two unit rotations; a shorter one swings round suddenly. It is 1 if they are equal,
+and 0 if they are opposite quaternions mixed half and half."""
 
 
 def blendable(library: StepLibrary, window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
     """Whether measure `target` can follow `source` (E,) without a joint that spins in the blend, (E,).
 
-    `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: how the target's clip is turned (K001).
+    `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: rotation of the target's clip (K001).
     """
     out = np.ones(len(source), np.bool_)
     if not len(source):
@@ -48,7 +48,7 @@ def blendable(library: StepLibrary, window: float, source: Int32, target: Int32,
 
 
 def _rotations(library: StepLibrary, line: Float64, before: Float64) -> Float32:
-    """Local rotations at the nearest samples to `before` (K,), in measures, from the `line` (N,), (N, K, J, 4)."""
+    """Return local rotations at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, J, 4)."""
     length = (library.node_last - library.node_first)[:, None]
     sample = np.maximum(line[:, None] + before * length, library.node_lead[:, None])
     rows = np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_rotation) - 1)

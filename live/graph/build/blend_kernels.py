@@ -1,4 +1,4 @@
-"""Blend kernels: how far the rotations of two clips lie apart while one passes into the other."""
+"""Blend kernels: distance of the rotations of two clips while one passes into the other."""
 
 import math
 
@@ -18,13 +18,13 @@ def find_blendable(
     end: Float32, start: Float32, source: Int32, target: Int32, yaw: Float64, weight: Float64,
     least_root: float, least_chord: float, out: Bool,
 ) -> None:  # fmt: skip
-    """Which of E joins `source` -> `target` (E,) can be blended, into `out` (E,).
+    """Write which of E joins `source` -> `target` (E,) can be blended into `out` (E,).
 
     `end` and `start` (N, K, J, 4): local rotations at K moments of the blend, of the measure that ends and of the one
-    that begins; `weight` (K,) of the latter; `yaw` (E,) [rad] turns the target's clip into the source's axes. The
-    root, which takes the shorter arc, must never be so far away that it could change its mind: |cos| of half the angle
-    is at least `least_root`. Of the other joints, which go the way of their signs, what is mixed must stay longer than
-    `least_chord`: nearer to 0 it turns round at once.
+    that begins; `weight` (K,) of the latter; `yaw` (E,) [rad] turns the target's clip into the source's axes. The root
+    takes the shorter arc and must not be so far away that the arc could change sides: |cos| of half the angle is at
+    least `least_root`. The other joints are mixed by their signs; the mixture must stay longer than `least_chord`,
+    because it turns round suddenly near 0.
     """
     for e in range(source.shape[0]):
         u, v = source[e], target[e]

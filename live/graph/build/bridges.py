@@ -1,11 +1,9 @@
-"""Bridges: a stretch of any recording that leads from one step to another where no edge does (T141, Fig 6.1).
+"""Bridges: stretches of recordings that lead from one step to another where the graph has no edge (T141, Fig 6.1).
 
-A bridge is as long as one measure or more, begins as the first step ends, and ends as the second begins. It is searched
-ahead of the show over everything that was recorded, at BASE_RATE: the clouds at the steps' ends are multiplied with the
-windows at every frame of a recording (K003), some thousand windows at a time. Where the step's cloud is centred, the
-recording's need not be, so its windows are plain stretches of memory.
-
-A bridge as a step clip, ready to be inserted into the graph (T141).
+A bridge is one or more measures long, begins like the first step's end, and ends like the second's beginning. The
+search over all recordings runs before the show, at BASE_RATE: the clouds at the steps' ends are multiplied with the
+windows at every frame of a recording (K003), some thousand windows at a time. Because the step's cloud is centred,
+those of the recording need not be, so its windows are contiguous memory. A bridge is cut as a step clip for insertion.
 """
 
 import math
@@ -34,12 +32,12 @@ Complex64 = npt.NDArray[np.complex64]
 BASE_RATE: Final = 30.0
 """Frames per second at which recordings are searched [Hz]."""
 _PRODUCTS: Final = 1 << 19
-"""Numbers in the largest array that is made while a recording is searched: 4 MB."""
+"""Numbers in the largest array of the search: 4 MB."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """A recording as it is searched: T frames of J joints at BASE_RATE."""
+    """A recording prepared for the search: T frames of J joints at BASE_RATE."""
 
     clip: Clip
     floor: Complex64
@@ -64,23 +62,23 @@ class Bridge:
     """A stretch of a recording that may be danced between two steps."""
 
     recording: int
-    """Which of the recordings."""
+    """Index of the recording."""
     start: float
-    """When it begins in the recording [s]."""
+    """Begin in the recording [s]."""
     stop: float
-    """When it ends [s]; how it is stretched to whole measures follows from that."""
+    """End [s]; the stretch factor to whole measures follows from it."""
     source: int
-    """The node after which it is danced."""
+    """The node before the bridge."""
     target: int
-    """The node before which it is danced."""
+    """The node after the bridge."""
     begin_cost: float
-    """Distance [m] from the end of `source` to its beginning."""
+    """Distance [m] from the end of `source` to the bridge's beginning."""
     end_cost: float
-    """Distance [m] from its end to the beginning of `target`."""
+    """Distance [m] from the bridge's end to the beginning of `target`."""
 
     @property
     def cost(self) -> float:
-        """The worse of the two joins [m]: below the threshold of the graph, both can be danced."""
+        """The worse of the two joins [m]; below the graph's threshold, both can be danced."""
         return max(self.begin_cost, self.end_cost)
 
 
@@ -95,11 +93,10 @@ def find_bridges(
     stretch: float = 0.15,
     most: int = 5,
 ) -> list[Bridge]:
-    """The `most` best bridges of `measures` from step `source` to step `target`, the best first, none over another.
+    """Return the `most` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
 
-    `measure_s` is how long a measure of the show lasts [s]; a stretch of a recording that is shorter or longer by up
-    to the share `stretch` is danced quicker or slower. ValueError for lengths that are not positive or a stretch
-    outside [0, 0.5].
+    `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `stretch`
+    is danced faster or slower. ValueError for lengths that are not positive or a stretch outside [0, 0.5].
     """
     if measure_s <= 0.0 or measures < 1 or not 0.0 <= stretch <= 0.5:
         raise ValueError(f"bridges of {measures} measures of {measure_s} s, stretched by {stretch}: see the limits")
@@ -131,24 +128,24 @@ def find_bridges(
 
 
 def _metric(metric: Metric, frames: int) -> Metric:
-    """The same weights for windows of another number of poses."""
+    """Return the same weights for windows of another number of poses."""
     own = np.linspace(0.0, 1.0, len(metric.window))
     weights = np.interp(np.linspace(0.0, 1.0, frames), own, metric.window)
     return Metric(metric.joint, np.asarray(weights / weights.sum()))
 
 
 def _windows(library: StepLibrary, nodes: Int64, line: Float64, window: float, metric: Metric) -> FlatClouds:
-    """Clouds of the `window` before the samples `line` (N,) of some nodes."""
+    """Return clouds of the `window` before the samples `line` (N,) of some nodes."""
     length = (library.node_last[nodes] - library.node_first[nodes]) * window
     samples = window_samples(line[nodes] - length, line[nodes], len(metric.window))
     return FlatClouds.of(clouds(library, np.maximum(samples, library.node_lead[nodes, None])), metric)
 
 
 def _nearest(recorded: Recorded, windows: FlatClouds, metric: Metric) -> tuple[Float64, Int64]:
-    """For every window of a recording, by its first frame, the distance [m] of the nearest cloud, and which it is."""
+    """Return, for every window of a recording by its first frame, the distance [m] and index of the nearest cloud."""
     count = len(recorded.floor) - len(metric.window) + 1
     size = _sizes(recorded, metric)
-    # √w is in the cloud once; the other √w belongs to the recording
+    # the cloud includes √w once; the other √w is applied to the recording
     root = np.sqrt(metric.points)
     floor, height = (windows.floor.conj() * root).astype(np.complex64), (windows.height * root).astype(np.float32)
     nearest, which = np.empty(count), np.empty(count, np.int64)
@@ -164,24 +161,24 @@ def _nearest(recorded: Recorded, windows: FlatClouds, metric: Metric) -> tuple[F
 
 
 def _stretches(track: npt.NDArray[Any], part: slice, frames: int) -> npt.NDArray[Any]:
-    """The windows of `frames` that begin at the frames `part` of a track (T, J), one a row, (windows, frames · J)."""
+    """Return the windows of `frames` at first frames `part` of a track (T, J), one per row, (windows, frames · J)."""
     joints = track.shape[1]
     flat = track[part.start : part.stop + frames - 1].reshape(-1)
     return sliding_window_view(flat, frames * joints)[::joints]
 
 
 def _sizes(recorded: Recorded, metric: Metric) -> Float64:
-    """|b|² + |y_b|² [m²] of the centred cloud of every window of a recording."""
+    """Return |b|² + |y_b|² [m²] of the centred cloud of every window of a recording."""
     floor, height = recorded.floor.astype(np.complex128), recorded.height.astype(np.float64)
     squares = (np.abs(floor) ** 2 + height**2) @ metric.joint
     centres = floor @ metric.joint
-    window = metric.window[::-1]  # np.convolve turns it over
+    window = metric.window[::-1]  # np.convolve reverses it
     centre = np.convolve(centres, window, "valid")
     return np.asarray(np.convolve(squares, window, "valid") - np.abs(centre) ** 2)
 
 
 def _best(leave: Float64, enter: Float64, lengths: Int64, most: int) -> list[tuple[int, int]]:
-    """First frames and lengths of the best stretches, none of which begins within half a length of a better one."""
+    """Return first frames and lengths of the best stretches; none begins within half a length of a better one."""
     count = len(leave)
     cost, size = np.full(count, np.inf), np.zeros(count, np.int64)
     for length in lengths[lengths < count]:
@@ -200,10 +197,10 @@ def _best(leave: Float64, enter: Float64, lengths: Int64, most: int) -> list[tup
 
 
 def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measures: int = 1) -> StepClip:
-    """The stretch of `recording` that `bridge` names, as a step called "A to B", with up to a measure of lead-in.
+    """Return the stretch of `recording` of a `bridge` as a step called "A to B", with up to a measure of lead-in.
 
-    It begins in the pose in which the first step ends and ends in that in which the second begins, where those have
-    names (T136). At its beginning the hips stand at x = z = 0 and face +z.
+    It begins in the end pose of the first step and ends in the begin pose of the second, if those are named (T136). At
+    its beginning the hips stand at x = z = 0 and face +z.
     """
     before, after = (library.clips[library.node_clip[node]] for node in (bridge.source, bridge.target))
     rate = recording.sample_rate
@@ -228,7 +225,7 @@ def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measur
 
 
 def _placed(clip: Clip, begin: int, end: int, at: int, name: str) -> Clip:
-    """Samples `begin` to `end` (exclusive), moved and turned so that at sample `at` the hips stand at 0 and face +z."""
+    """Return samples `begin` to `end` (exclusive), moved so that at sample `at` the hips are at 0, facing +z."""
     x, _, z = quaternion.rotate(clip.rotation[at, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
     turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(-math.atan2(x, z)))
     rotation = clip.rotation[begin:end].astype(np.float64)

@@ -1,7 +1,4 @@
-"""Metric: what counts how much when two point clouds are compared, per joint and along the window (T032, K002).
-
-FlatClouds: point clouds as K003 wants them, centred, weighted, floor coordinates as complex numbers.
-"""
+"""Metric for point clouds: weights per joint and along the window (T032, K002), and the clouds prepared for K003."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,13 +14,13 @@ Float64 = npt.NDArray[np.float64]
 WINDOW_SAMPLES: Final = 12
 """Poses in a window; the cloud has 12 · J points."""
 EMPHASIS: Final = 0.5
-"""How much more the pose at the measure line counts than the middle of the window, and the first one less."""
+"""Extra weight of the pose at the measure line over the middle of the window; the first pose has as much less."""
 _ENDINGS: Final = (("Hand", 0.4), ("LowerArm", 0.7), ("Foot", 2.0), ("Toes", 1.5), ("hips", 2.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Metric:
-    """Weights of a cloud of K poses of J joints; the weight of a point is the product, and all together are 1."""
+    """Weights of a cloud of K poses of J joints; a point's weight is the product, and the sum is 1."""
 
     joint: Float64
     """Weight of each joint, sum 1, shape (J,)."""
@@ -32,20 +29,20 @@ class Metric:
 
     @classmethod
     def of(cls, joints: Mapping[str, float] | None = None, emphasis: float = EMPHASIS) -> "Metric":
-        """The default, with other weights for some `joints` by name, and another `emphasis` of the measure line."""
+        """Return the default with other weights for some `joints` by name, or another `emphasis` of the line."""
         return cls(joint_weights(joints), window_weights(emphasis=emphasis))
 
     @property
     def points(self) -> Float64:
-        """Weight of every point of a cloud, shape (K · J,)."""
+        """Return the weight of every point of a cloud, shape (K · J,)."""
         return np.outer(self.window, self.joint).reshape(-1)
 
 
 def joint_weights(changes: Mapping[str, float] | None = None) -> Float64:
-    """Weight of each joint in the cloud, sum 1, shape (J,): feet carry, hips lead, hands may differ.
+    """Return the weight of each joint in the cloud, sum 1, shape (J,); feet and hips weigh most, hands least.
 
-    `changes` sets the weights of single joints by name, 1 for most, beside 2 for hips and feet and 0.4 for hands.
-    ValueError for a name that no joint has, a weight that is negative or not finite, or if nothing is left to compare.
+    `changes` sets the weights of joints by name; the default is 1 for most, 2 for hips and feet and 0.4 for hands.
+    ValueError for an unknown joint, a weight that is negative or not finite, or if all weights are 0.
     """
     weights = np.ones(SKELETON.joint_count)
     for ending, weight in _ENDINGS:
@@ -64,7 +61,7 @@ def joint_weights(changes: Mapping[str, float] | None = None) -> Float64:
 
 
 def window_weights(count: int = WINDOW_SAMPLES, emphasis: float = EMPHASIS) -> Float64:
-    """Weight along the window, sum 1, shape (count,): larger towards the measure line, where the blend ends.
+    """Return the weight along the window, sum 1, shape (count,): larger towards the measure line, where the blend ends.
 
     It grows linearly from 1 - `emphasis` to 1 + `emphasis`; ValueError outside [0, 1].
     """
@@ -81,7 +78,7 @@ Complex64 = npt.NDArray[np.complex64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlatClouds:
-    """N clouds of P points."""
+    """N clouds of P points: centred, weighted, floor coordinates as complex numbers (K003)."""
 
     floor: Complex
     """√w (x + iz), centred, shape (N, P)."""
@@ -94,7 +91,7 @@ class FlatClouds:
     coarse_floor: Complex64
     """The floor coordinates as parabolas in time: their projection on three basis functions, shape (N, 3 · J).
 
-    A projection makes no distance longer, whatever the rotation, so pairs that are far apart here are far apart.
+    A projection never lengthens a distance, for any rotation, so pairs that are far apart here are far apart.
     """
     coarse_height: Float32
     """The heights likewise, shape (N, 3 · J)."""
@@ -103,7 +100,7 @@ class FlatClouds:
 
     @classmethod
     def of(cls, clouds: Float64, metric: Metric) -> "FlatClouds":
-        """From world positions (N, K, J, 3) [m]; ValueError if the metric is for clouds of another shape."""
+        """Prepare world positions (N, K, J, 3) [m]; ValueError if the metric is for clouds of another shape."""
         if clouds.shape[1:] != (len(metric.window), len(metric.joint), 3):
             expected = f"(N, {len(metric.window)}, {len(metric.joint)}, 3)"
             raise ValueError(f"clouds of shape {clouds.shape}; {expected} expected")
@@ -137,11 +134,11 @@ class FlatClouds:
 
     @classmethod
     def joined(cls, parts: Sequence["FlatClouds"]) -> "FlatClouds":
-        """The clouds of all parts, one after another."""
+        """Return the clouds of all parts, concatenated."""
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
 
     def chosen(self, index: npt.NDArray[np.int64]) -> "FlatClouds":
-        """The clouds `index` (M,), in order; views where they follow each other."""
+        """Return the clouds `index` (M,), in order; views if the indices are consecutive."""
         if len(index) and index[-1] - index[0] == len(index) - 1:
             part: Any = slice(int(index[0]), int(index[-1]) + 1)
         else:
@@ -153,7 +150,7 @@ class FlatClouds:
 
 
 def _parabolas(metric: Metric) -> Float64:
-    """Orthonormal functions of the K samples of a window that span √weight · (1, t, t²), shape (K, 3 or fewer)."""
+    """Return orthonormal functions of K window samples that span √weight · (1, t, t²), shape (K, 3 or fewer)."""
     count = len(metric.window)
     t = np.linspace(-1.0, 1.0, count)[:, None]
     powers = np.sqrt(metric.window)[:, None] * t ** np.arange(min(3, count))

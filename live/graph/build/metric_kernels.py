@@ -1,4 +1,4 @@
-"""Kernels of the metric: which pairs of a block can be near each other, and their products in full precision."""
+"""Kernels of the metric: pairs of a block that may be near, and their products in double precision."""
 
 from typing import Any
 
@@ -29,12 +29,12 @@ def sieve_block(
     out_row: Int32,
     out_column: Int32,
 ) -> int:
-    """Pairs of a block whose squared distance (K003) is at most `limit` [m²], with `doubt` · sizes to spare.
+    """Find pairs of a block whose squared distance (K003) is at most `limit` [m²], plus a tolerance `doubt` · sizes.
 
     product (B, M) of floor coordinates, height (B, M) of heights (overwritten); size_a (B,), size_b (M,) as in
     FlatClouds; codes_a (B, 2) and codes_b (M, 2): end or begin pose (agree if equal, or either -1), and what may not
     be repeated (refused if equal, and not negative). Row and column of each pair go to out_row and out_column, which
-    hold B · M; returns how many there are.
+    hold B · M; returns the number of pairs.
     """
     count = 0
     for i in range(product.shape[0]):
@@ -70,13 +70,13 @@ def pair_products(
     out_product: Complex128,
     out_height: Float64,
 ) -> None:
-    """conj(a) · b and y_a · y_b for the pairs (row, column) (E,) of clouds (N, P) and (M, P), into (E,) each."""
+    """Write conj(a) · b and y_a · y_b for the pairs (row, column) (E,) of clouds (N, P) and (M, P) to (E,) each."""
     points = floor_a.shape[1]
     for e in range(row.shape[0]):
         i, j = row[e], column[e]
         re0, re1, im0, im1, y0 = 0.0, 0.0, 0.0, 0.0, 0.0
         for p in range(points):
-            a, b = floor_a[i, p], floor_b[j, p]  # sums in any order: vectors
+            a, b = floor_a[i, p], floor_b[j, p]  # sums in any order, to allow SIMD
             re0 += a.real * b.real
             re1 += a.imag * b.imag
             im0 += a.real * b.imag

@@ -1,4 +1,4 @@
-"""The pair of measures that could most easily be joined though the graph does not join them (T034, T135, T136)."""
+"""Finder of the unconnected pair of measures that could most easily be joined (T034, T135, T136)."""
 
 import math
 from typing import Final
@@ -17,11 +17,11 @@ Bool = npt.NDArray[np.bool_]
 _ROWS: Final = 512
 """Nodes compared with all others at once."""
 _RULE: Final = 1e3
-"""A broken rule of structure is worse than any distance [m]."""
+"""Cost of a broken structure rule: more than any distance [m]."""
 
 
 class NearestPair:
-    """Compares ends and beginnings of a graph's nodes; nothing is compared twice."""
+    """Compares ends and beginnings of a graph's nodes; results are cached."""
 
     def __init__(self, graph: MotionGraph) -> None:
         self._graph = graph
@@ -34,10 +34,10 @@ class NearestPair:
         self._clouds: tuple[Float64, Float64] | None = None
         self._known: dict[bytes, tuple[int, int]] = {}
         self.distance: dict[tuple[int, int], float] = {}
-        """Distances of the pairs that were found [m] (K002)."""
+        """Distances of the pairs found [m] (K002)."""
 
     def find(self, last: Bool, first: Bool) -> tuple[int, int]:
-        """Of nodes (N,) that end and nodes that begin the pair that breaks fewest rules, and of those the nearest."""
+        """Return the pair of nodes (N,) that end and begin which breaks the fewest rules, and of those the nearest."""
         key = np.packbits([last, first]).tobytes()
         if key not in self._known:
             self._known[key] = self._search(np.flatnonzero(last), np.flatnonzero(first))
@@ -48,7 +48,7 @@ class NearestPair:
         return bool(self._clashes(np.array([u]), np.array([v]))[0, 0])
 
     def repeats(self, u: int, v: int) -> bool:
-        """Whether v repeats u on the same side though the weight is on the other foot (T135)."""
+        """Whether v repeats u on the same side although the weight is on the other foot (T135)."""
         return bool(self._repeats(np.array([u]), np.array([v]))[0, 0])
 
     def _search(self, last: Int64, first: Int64) -> tuple[int, int]:

@@ -1,9 +1,9 @@
 """All pairs of clouds within a threshold, for libraries of any size (K003).
 
-Blocks of rows go through a sieve: one complex and one real matrix product of coarse clouds (parabolas in time, a
-quarter of the numbers) in single precision, and a kernel that keeps the pairs that can be near enough: coarse clouds
-are never farther apart than the clouds themselves. Those alone are computed in full precision, one by one, or as a
-block where many pass. Nothing of size N × M is ever held, only a block and the pairs that are kept.
+Blocks of rows pass a filter in single precision: one complex and one real matrix product of coarse clouds (parabolas in
+time, a quarter of the numbers), and a kernel that keeps the pairs that can be near enough. Coarse clouds are never
+farther apart than the clouds themselves. Only those pairs are computed in double precision, one by one, or as a block
+where many pass. No array of size N × M is held, only a block and the remaining pairs.
 """
 
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ Bool = npt.NDArray[np.bool_]
 Complex = npt.NDArray[np.complex128]
 
 MOST_PAIRS: Final = 16_000_000
-"""A graph of more edges would fill the memory (36 bytes each, twice while it is made)."""
+"""Maximum edges of a graph: more would fill the memory (36 bytes each, twice during construction)."""
 _BLOCK_PAIRS: Final = 1 << 21
 """Pairs of a block: about 24 MB in single precision."""
 _DOUBT: Final = 4e-6
-"""Error of the sieve's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
+"""Error of the filter's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
 _DENSE: Final = 0.1
-"""Where a larger share of a block passes, its product in full precision costs less than pair by pair."""
+"""If a larger share of a block passes, a full product in double precision is cheaper than single pairs."""
 _FEW: Final = 1 << 16
-"""So many pairs are computed one by one, without a sieve: a take that joins a library must not wake other threads."""
+"""Up to this many pairs are computed one by one, so that inserting a take does not start BLAS threads."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,9 +45,9 @@ class Pairs:
 
 
 def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32]) -> Pairs:
-    """Pairs of `first` (N clouds) and `second` (M) within `threshold` [m] whose `codes` (N, 2), (M, 2) agree.
+    """Return pairs of `first` (N clouds) and `second` (M) within `threshold` [m] whose `codes` (N, 2), (M, 2) agree.
 
-    Codes as in `structure.StructureCodes`. ValueError if there are more than sixteen million.
+    Codes as in `transition_rules.StructureCodes`. ValueError if there are more than sixteen million.
     """
     if not (len(first) and len(second)):
         return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))
@@ -73,7 +73,7 @@ def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: t
 
 
 class _Sieve:
-    """The second clouds in single precision, and room for the pairs of one block of the first."""
+    """The second clouds in single precision, and buffers for the pairs of one block of the first."""
 
     def __init__(
         self, first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32], rows: int
@@ -84,7 +84,7 @@ class _Sieve:
         self._out = np.zeros((2, rows * len(second)), np.int32)
 
     def block(self, begin: int, end: int) -> Pairs:
-        """Pairs of the rows `begin` to `end` (exclusive)."""
+        """Return pairs of the rows `begin` to `end` (exclusive)."""
         a, b, part = self._first, self._second, slice(begin, end)
         count = sieve_block(
             a.coarse_floor[part].conj() @ self._floor,
@@ -111,7 +111,7 @@ class _Sieve:
 
 
 def _agree(leaving: Int32, entering: Int32) -> Bool:
-    """What the sieve's kernel says of codes, for pairs (E, 2) and (E, 2)."""
+    """Return the same decision on codes as the filter kernel, for pairs (E, 2) and (E, 2)."""
     poses = (leaving[:, 0] == entering[:, 0]) | (leaving[:, 0] < 0) | (entering[:, 0] < 0)
     return np.asarray(poses & ~((leaving[:, 1] == entering[:, 1]) & (leaving[:, 1] >= 0)))
 
@@ -125,7 +125,7 @@ def _one_by_one(a: FlatClouds, b: FlatClouds, row: Int32, column: Int32) -> tupl
 def _within(
     a: FlatClouds, b: FlatClouds, row: Int32, column: Int32, threshold: float, product: Complex, height: Float64
 ) -> Pairs:
-    """Of the pairs (row, column) with these products those within `threshold` [m]."""
+    """Return those of the pairs (row, column) with these products that are within `threshold` [m]."""
     squared = a.size[row] + b.size[column] - 2.0 * np.abs(product) - 2.0 * height
     distance = np.sqrt(np.maximum(squared, 0.0))
     near = distance <= threshold
@@ -135,7 +135,7 @@ def _within(
 
 
 def aligned(product: Complex, centre_a: Complex, centre_b: Complex) -> Float64:
-    """x, z [m] and yaw [rad] of K001 from the products conj(a) · b (E,) and the clouds' centres, shape (E, 3)."""
+    """Return x, z [m] and yaw [rad] of K001 from products conj(a) · b (E,) and the clouds' centres, shape (E, 3)."""
     motion = np.empty((*product.shape, 3))
     motion[..., 2] = np.angle(product)
     # (x, z) turned by yaw is (x + iz) · exp(-i yaw), since yaw turns +z towards +x

@@ -1,19 +1,15 @@
-"""Joins: every pair of measures that may be danced one after the other, before dead ends are pruned (T031-T036).
+"""Transitions: distances between measure ends and starts (T032-T034, K001-K003), joins (T031-T036), retiming (T140).
 
-Transitions: how well the end of one measure passes into the start of another (T032-T034, K001-K003).
-
-The similarity is that of two point clouds of the skeleton over a window, after the rigid 2D motion of the second that
+The distance is that of two point clouds of the skeleton over a window, after the rigid 2D motion of the second that
 brings it nearest to the first. All pairs at once are one complex matrix product (K003): with the floor coordinates of a
 centred cloud as complex numbers a = √w (x + iz), the best rotation is the argument of aᴴb and
 
 D = |a|² + |b|² + |y_a|² + |y_b|² - 2 |aᴴb| - 2 y_a·y_b .
 
-Transitions in an interval around the measure line, the measure re-timed to it (T140).
-
-Where a dancer lands a little before or after the beat, the best place to leave a step is not exactly at its last
-sample. Every measure that ends a step may end up to a share of a measure earlier or later, and every one that begins a
-step may begin so; what lies between is danced quicker or slower, so the dance keeps to the metre. A node has one end
-and one beginning for all its edges, because most of a measure is danced before it is decided what comes next.
+Retiming (T140): if a dancer lands slightly off the beat, the best place to leave a step is not exactly at its last
+sample. Each end and beginning of a step may move by up to a share of a measure; the part between is played faster or
+slower, so the dance keeps to the metre. A node has one end and one beginning for all its edges, because most of a
+measure is danced before the next one is chosen.
 """
 
 from dataclasses import dataclass, field, replace
@@ -56,7 +52,7 @@ class Transitions:
 
 
 def clouds(library: StepLibrary, samples: Float64) -> Float64:
-    """World positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
+    """Return world positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
     flat = np.ascontiguousarray(samples.reshape(-1))
     pipeline = PosePipeline(len(flat))
     pipeline.sample[0] = flat
@@ -65,7 +61,7 @@ def clouds(library: StepLibrary, samples: Float64) -> Float64:
 
 
 def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """Clouds of the last and of the lead-in `window` (a share of the measure) of every node: two (N, K, J, 3)."""
+    """Return clouds of the last and of the lead-in `window` (share of the measure) of every node: two (N, K, J, 3)."""
     length = (library.node_last - library.node_first) * window
     end = window_samples(library.node_last - length, library.node_last, WINDOW_SAMPLES)
     start = window_samples(library.node_first - length, library.node_first, WINDOW_SAMPLES)
@@ -74,9 +70,9 @@ def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Fl
 
 
 def all_pairs(first: Float64, second: Float64, metric: Metric | None = None) -> Transitions:
-    """K003 for all pairs of clouds `first` (N, K, J, 3) and `second` (M, K, J, 3), in one matrix product.
+    """Return K003 for all pairs of clouds `first` (N, K, J, 3) and `second` (M, K, J, 3), in one matrix product.
 
-    Holds some ten arrays of (N, M): for the pairs within a threshold in libraries of any size see `near_pairs`.
+    Allocates some ten arrays of (N, M); for large libraries with a threshold see `near_pairs`.
     """
     metric = Metric.of() if metric is None else metric
     a, b = FlatClouds.of(first, metric), FlatClouds.of(second, metric)
@@ -96,7 +92,7 @@ _NODES: Final = 1024
 
 @dataclass(frozen=True, slots=True)
 class JoinRule:
-    """What makes a join, and an edge of it."""
+    """Settings for joins and edges."""
 
     window: float = 0.1875
     """Length of a transition as a share of the measure (T036)."""
@@ -104,7 +100,7 @@ class JoinRule:
     """Largest distance of the aligned clouds [m] (T034)."""
     metric: Metric = field(default_factory=Metric.of)
     prune: bool = True
-    """Whether dead ends are left out of the graph (T037); the joins hold them anyway."""
+    """Whether dead ends are removed from the graph (T037); the joins keep them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,37 +115,37 @@ class Joins:
     """x, z [m], yaw [rad] that place the target's clip in the axes of the source's (K001), shape (E, 3)."""
 
     def among(self, alive: Bool) -> "Joins":
-        """Those between nodes that are `alive` (N,)."""
+        """Return the joins between nodes that are `alive` (N,)."""
         if alive.all():
             return self
         return self.chosen(alive[self.source] & alive[self.target])
 
     def chosen(self, kept: Bool) -> "Joins":
-        """Those that are `kept` (E,)."""
+        """Return the joins that are `kept` (E,)."""
         return Joins(self.source[kept], self.target[kept], self.cost[kept], self.transform[kept])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundaries:
-    """The clouds at both ends of N nodes, kept so that what comes later can be compared with them."""
+    """The clouds at both ends of N nodes, kept for comparison with nodes that are inserted later."""
 
     ends: FlatClouds
-    """Of the last `window` of each measure."""
+    """Clouds of the last `window` of each measure."""
     starts: FlatClouds
-    """Of the `window` before each measure."""
+    """Clouds of the `window` before each measure."""
 
     @classmethod
     def of(cls, library: StepLibrary, rule: JoinRule) -> "Boundaries":
-        """Of all nodes of a library."""
+        """Compute the clouds of all nodes of a library."""
         return cls(window_clouds(library, library.node_last, rule), window_clouds(library, library.node_first, rule))
 
     def joined(self, other: "Boundaries") -> "Boundaries":
-        """Of this one's nodes, then the other's."""
+        """Return the clouds of these nodes followed by those of `other`."""
         return Boundaries(FlatClouds.joined([self.ends, other.ends]), FlatClouds.joined([self.starts, other.starts]))
 
 
 def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> Joins:
-    """All joins of a library; within a step of several measures each one leads to the next alone (T039)."""
+    """Return all joins of a library; within a step of several measures each leads only to the next (T039)."""
     everything = np.arange(library.node_count)
     codes = structure_codes(library)
     inner = _inner(library, everything)
@@ -157,9 +153,9 @@ def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> 
 
 
 def joins_with(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinRule) -> Joins:
-    """The joins of a library whose first `old` nodes have `joins`: as `find_joins` finds them.
+    """Return the joins of a library whose first `old` nodes have `joins`; the result is that of `find_joins`.
 
-    Only pairs that hold a new node are compared: the metric is asked 2N times for each new one, not N² times in all.
+    Only pairs with a new node are compared: 2N distances per new node instead of N² in all.
     """
     before, new = np.arange(old), np.arange(old, library.node_count)
     codes = structure_codes(library)
@@ -170,7 +166,7 @@ def joins_with(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: 
 
 
 def _inner(library: StepLibrary, nodes: Int64) -> Joins:
-    """The measures of one clip are neighbours in the library."""
+    """Return the joins within clips; the measures of one clip are neighbours in the library."""
     source = nodes[library.node_measure[nodes] < library.node_measures[nodes] - 1].astype(np.int32)
     count = len(source)
     return Joins(source, source + np.int32(1), np.zeros(count), np.zeros((count, 3)))
@@ -179,7 +175,7 @@ def _inner(library: StepLibrary, nodes: Int64) -> Joins:
 def _between(
     library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinRule, first: Int64, second: Int64
 ) -> Joins:
-    """Joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
+    """Return joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
     leaves = first[library.node_measure[first] == library.node_measures[first] - 1]
     enters = second[library.node_measure[second] == 0]
     pairs = near_pairs(
@@ -194,7 +190,7 @@ def _between(
 
 
 def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
-    """Clouds of the window before the samples `line` (N,), some nodes at a time."""
+    """Return clouds of the window before the samples `line` (N,), some nodes at a time."""
     parts = []
     for begin in range(0, library.node_count, _NODES):
         own = slice(begin, begin + _NODES)
@@ -206,7 +202,7 @@ def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatCl
 
 
 def _merged(many: Joins, few: Joins, nodes: int) -> Joins:
-    """Both, sorted; `nodes` is how many there are in all."""
+    """Return both, sorted; `nodes` is the total number of nodes."""
     if not len(few.source):
         return many
     key, more = (joins.source.astype(np.int64) * nodes + joins.target for joins in (many, few))
@@ -217,23 +213,23 @@ def _merged(many: Joins, few: Joins, nodes: int) -> Joins:
 
 
 OFFSETS: Final = 5
-"""Places that are tried on each side, the measure line among them."""
+"""Positions tried on each side, including the measure line."""
 SWEEPS: Final = 2
 _BLOCK: Final = 256
 
 
 def retimed(library: StepLibrary, rule: JoinRule, interval: float) -> StepLibrary:
-    """The library with the ends and beginnings of its steps moved by up to `interval` (a share of the measure).
+    """Move the ends and beginnings of a library's steps by up to `interval` (a share of the measure).
 
-    Each end in turn goes where it is nearest to the beginnings as they are by then, and each beginning likewise: what
-    counts is the sum over all pairs of exp(-(distance / threshold)²), which never falls. Lines inside steps of several
-    measures stay, and so does every line where moving it gains nothing. ValueError for an interval outside [0, 0.25].
+    In turn, each end moves to where it is nearest to the current beginnings, and each beginning likewise. The objective
+    is the sum over all pairs of exp(-(distance / threshold)²), which never falls. Lines inside steps of several
+    measures stay, and so does every line whose move gains nothing. ValueError for an interval outside [0, 0.25].
     """
     if not 0.0 <= interval <= 0.25:
         raise ValueError(f"interval around the measure line {interval}: a share of the measure from 0 to 0.25 expected")
     if interval == 0.0:
         return library
-    shares = np.array(sorted(np.linspace(-interval, interval, OFFSETS), key=abs))  # the line itself wins a draw
+    shares = np.array(sorted(np.linspace(-interval, interval, OFFSETS), key=abs))  # the line itself wins ties
     leaves = np.flatnonzero(library.node_measure == library.node_measures - 1)
     enters = np.flatnonzero(library.node_measure == 0)
     ends, begins = (_clouds(library, nodes, line, rule, shares) for nodes, line in (
@@ -250,20 +246,20 @@ def retimed(library: StepLibrary, rule: JoinRule, interval: float) -> StepLibrar
 
 
 class _Allowed:
-    """Which of the first nodes the second may follow, in blocks."""
+    """Which of the first nodes may be followed by which of the second, in blocks."""
 
     def __init__(self, library: StepLibrary, first: Int64, second: Int64) -> None:
         self._library, self._first, self._second = library, first, second
 
     def block(self, part: slice, turned: bool) -> npt.NDArray[np.bool_]:
-        """Rows `part` of the table, or, `turned`, of its transpose."""
+        """Return rows `part` of the table, or, if `turned`, of its transpose."""
         if turned:
             return may_follow_between(self._library, self._first, self._second[part]).T
         return may_follow_between(self._library, self._first[part], self._second)
 
 
 def _moved(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) -> Float64:
-    """The samples `line` of some nodes, moved by a share of the measure, within their clips."""
+    """Return the samples `line` of some nodes, moved by a share of the measure, within their clips."""
     ends = np.array([library.clips[clip].clip.sample_count - 1.0 for clip in library.node_clip[nodes]])
     size = library.node_last[nodes] - library.node_first[nodes]
     low = library.node_lead[nodes]
@@ -271,7 +267,7 @@ def _moved(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) ->
 
 
 def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinRule, shares: Float64) -> list[FlatClouds]:
-    """Clouds of the windows before the lines of some nodes, for every share by which they may be moved."""
+    """Return clouds of the windows before the lines of some nodes, for every share by which they may be moved."""
     found = []
     for share in shares:
         moved = line.copy()
@@ -281,12 +277,12 @@ def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinRule, s
 
 
 def _picked(clouds: list[FlatClouds], choice: Int64) -> FlatClouds:
-    """For every node the cloud of its chosen offset."""
+    """Return for every node the cloud of its chosen offset."""
     return FlatClouds.joined([clouds[number].chosen(np.array([n])) for n, number in enumerate(choice)])
 
 
 def _gains(own: list[FlatClouds], other: FlatClouds, threshold: float, allowed: _Allowed, turned: bool) -> Float64:
-    """How near each node is to all others with each offset, (OFFSETS, N)."""
+    """Return how near each node is to all others with each offset, (OFFSETS, N)."""
     gains = np.zeros((len(own), len(own[0])))
     for number, flat in enumerate(own):
         for begin in range(0, len(flat), _BLOCK):

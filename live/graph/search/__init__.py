@@ -1,1 +1,1 @@
-"""Searches for sequences and paths through the graph, offline. It may import what `graph` may."""
+"""Offline searches for sequences and paths through the graph. It may import what `graph` may."""

@@ -1,4 +1,4 @@
-"""The thesis' own search for a sequence, kept as a reference: modified depth-first search (T064)."""
+"""The thesis' sequence search, kept as a reference: modified depth-first search (T064)."""
 
 from typing import Final
 
@@ -11,11 +11,11 @@ from live.graph.search.viterbi import Edges
 Int32 = npt.NDArray[np.int32]
 
 BUDGET: Final = 1_000_000
-"""Nodes looked at before the search gives up: about a second."""
+"""Nodes visited before the search gives up: about a second."""
 
 
 class SearchTooLong(ValueError):
-    """The depth-first search gave up: what it needs may grow exponentially with the measures."""
+    """The depth-first search gave up; its cost may grow exponentially with the measures."""
 
 
 def depth_first(
@@ -26,11 +26,11 @@ def depth_first(
     budget: int = BUDGET,
     rejected: list[tuple[int, ...]] | None = None,
 ) -> Int32 | None:
-    """The first dance without a wrong measure, as nodes (M,); None if there is none.
+    """Return the first dance without a wrong measure, as nodes (M,); None if there is none.
 
-    The spanning tree of paths is walked in the order of the library, from the beginnings of steps or after the node
-    `start`, and a branch is left as soon as one of its measures is wrong. It is complete, but looks at up to as many
-    paths as there are: SearchTooLong after `budget` nodes. `rejected` is given the paths that were left, in order.
+    The spanning tree of paths is searched in library order, from the beginnings of steps or after the node `start`; a
+    branch is left at its first wrong measure. The search is complete, but may visit all paths: SearchTooLong after
+    `budget` nodes. `rejected` receives the rejected paths, in order.
     """
     measures = specification.measures
     roots = np.flatnonzero(specification.enters) if start is None else _followers(edges, start)
@@ -48,7 +48,7 @@ def depth_first(
         if looked_at > budget:
             raise SearchTooLong(
                 f"the depth-first search gave up after {budget} nodes, {len(path)} of {measures} measures deep: "
-                "what it needs can double with every measure; the layered search does not"
+                "its cost can double with every measure; use the layered search"
             )
         last = len(path) == measures - 1
         if not specification.at(len(path))[node] or (last and not specification.leaves[node]):

@@ -1,7 +1,7 @@
-"""Sequences that are changed while they are danced: the answer is there long before the measure line.
+"""Sequences that are changed while they are danced, with results well before the measure line.
 
-A group keeps one `LiveSequence`. It answers for all nodes at once, so that all dancers of the group share one search
-over a few measures (`HORIZON`), made when the measure line has been crossed, beats before the next measures are chosen.
+A group keeps one `LiveSequence`. Its search covers all nodes, so all dancers of the group share one search over a few
+measures (`HORIZON`). It runs after a measure line, beats before the next measures are chosen.
 """
 
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ HORIZON: Final = 8
 
 
 def plan_from(graph: MotionGraph, node: int, wanted: Sequence[Wanted], *, horizon: int = HORIZON) -> Int32:
-    """The next `horizon` nodes of a dancer who is in `node`: the rest of her step, then what is wanted, then anything.
+    """Return the next `horizon` nodes of a dancer in `node`: the rest of the step, then `wanted`, then any steps.
 
-    O(horizon · E). The last step may go on beyond the horizon. NoPath if nothing can follow.
+    O(horizon · E). The last step may extend beyond the horizon. NoPath if nothing can follow.
     """
     left = int(graph.library.node_measures[node] - 1 - graph.library.node_measure[node])
     rest = np.arange(node + 1, node + 1 + min(left, horizon), dtype=np.int32)
@@ -38,7 +38,7 @@ def plan_from(graph: MotionGraph, node: int, wanted: Sequence[Wanted], *, horizo
 
 
 def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Specification:
-    """The specification of exactly `horizon` measures: longer ones are cut, shorter ones go on with anything."""
+    """Return the specification of exactly `horizon` measures: longer ones are cut, shorter ones end with any steps."""
     entries: list[Wanted] = []
     measures = 0
     for entry in wanted:
@@ -46,24 +46,24 @@ def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Speci
             break
         entries.append(entry)
         measures += entry.measures
-    # cut in the middle of a step the dance need not be at an end
+    # if cut in the middle of a step, the dance need not end a step
     full = specify(graph.library, [*entries, *[Wanted(None)] * max(horizon - measures, 1)])
     return replace(full, kind=full.kind[:horizon], entry=full.entry[:horizon], leaves=np.ones_like(full.leaves))
 
 
 class LiveSequence:
-    """What a group shall dance from now on; it can be changed while it is danced.
+    """The sequence that a group dances; it can be changed while it is danced.
 
-    The show calls `ahead` once per measure, after the line, and gives `choose_measures` the result as what each next
-    node costs, so that way and heading decide among the nodes that keep the sequence; it calls `advance` when the
-    measure is chosen. `ask` says whether a change can be danced before it is made: what cannot be danced changes
-    nothing.
+    The show calls `ahead` once per measure, after the line, and passes the result to `choose_measures` as the cost of
+    each next node, so that path and heading decide among the nodes that keep the sequence. It calls `advance` when the
+    measure is chosen. `ask` tests whether a change can be danced before it is made; a change that cannot be danced has
+    no effect.
     """
 
     def __init__(
         self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON, edges: Edges | None = None
     ) -> None:
-        """`edges`: those of the graph, if many searches share them."""
+        """`edges`: those of the graph, if several searches share them."""
         self._graph = graph
         self._edges = edges_of(graph) if edges is None else edges
         self._horizon = horizon
@@ -72,25 +72,25 @@ class LiveSequence:
 
     @property
     def coming(self) -> tuple[Wanted, ...]:
-        """Entries still to come, the one that is danced included."""
+        """Return the remaining entries, including the current one."""
         return tuple(self._wanted)
 
     @property
     def next_step(self) -> int | None:
-        """The step of the next measure; None: any, or nothing is wanted any more."""
+        """The step of the next measure; None: any, or the sequence has ended."""
         return self._wanted[0].step if self._wanted else None
 
     def extend(self, wanted: Sequence[Wanted]) -> None:
-        """Dance these after all that is wanted already."""
+        """Append entries to the sequence."""
         self._wanted += wanted
 
     def replace(self, wanted: Sequence[Wanted]) -> None:
-        """Dance these from the next measure on that is not chosen yet; a step that has begun is danced to its end."""
+        """Replace the sequence from the next unchosen measure on; a step that has begun is danced to its end."""
         kept = self._wanted[:1] if self._into else []
         self._wanted = [*kept, *wanted]
 
     def advance(self) -> None:
-        """The next measure is chosen: go on by one."""
+        """Advance by one measure, after the next one has been chosen."""
         if not self._wanted:
             return
         self._into += 1
@@ -99,18 +99,18 @@ class LiveSequence:
             self._into = 0
 
     def ahead(self) -> Float64:
-        """Of every node how many measures will be wrong within the horizon if it is danced next, (N,); inf: none can.
+        """Return the number of wrong measures within the horizon if each node is danced next, (N,); inf: impossible.
 
-        The fraction is how rough the joins are, below 1 together: nodes are compared by both.
+        The fraction (below 1) is the roughness of the joins, so nodes are compared by both.
         """
         costs = self._costs(self._wanted, self._into)
         return costs.layer(0) / costs.unit
 
     def ask(self, wanted: Sequence[Wanted], nodes: Int32, *, patience: int = 2) -> int | None:
-        """After how many measures of anything, at most `patience`, dancers in `nodes` (A,) can dance what is wanted.
+        """Return after how many free measures, at most `patience`, dancers in `nodes` (A,) can dance `wanted`.
 
-        None if that is not possible for all of them: then the dance that is danced had better go on, and
-        `live.graph.search.path_diagnostics` tells why. Dancers within a step first finish it.
+        None if that is not possible for all of them: the current sequence should then be kept, and
+        `live.graph.search.path_diagnostics` explains the reason. Dancers within a step first finish it.
         """
         library = self._graph.library
         at = nodes + library.node_measures[nodes] - 1 - library.node_measure[nodes]

@@ -1,6 +1,6 @@
-"""What a path asks too much of, in words: too fast, off the line, and what to record for it (T075).
+"""Explanations of paths that cannot be followed (T075) and sequences that cannot be danced (T003, T043, T065).
 
-What is missing for a sequence, in words that a dancer understands (T003, T043, T065).
+Each names the reason and the remedy, such as the clip to record.
 """
 
 import math
@@ -24,9 +24,9 @@ from live.motion.step_clip import StepClip
 Float64 = npt.NDArray[np.float64]
 
 THRESHOLD: Final = 0.15
-"""A dancer farther than this [m] from her place at a measure line is off the path."""
+"""A dancer farther than this [m] from their place at a measure line is off the path."""
 CATCH_UP: Final = 1.25
-"""Whoever is off the path can come back to it with steps this much longer than the path's own."""
+"""Steps longer than the path's own by this factor let a dancer return to the path."""
 _NO_TRAVEL: Final = 0.02
 
 
@@ -36,11 +36,11 @@ class Lack:
 
     step: str
     direction: str
-    """As the dancer sees it who begins the measure; "" where it is no matter of direction."""
+    """As seen by the dancer at the beginning of the measure; "" if the direction does not matter."""
     measures: tuple[int, ...]
     """Measures concerned, from 1."""
     text: str
-    """For the choreographer, with what to do about it."""
+    """Text for the choreographer, with the remedy."""
 
 
 def path_lacks(
@@ -52,10 +52,10 @@ def path_lacks(
     seconds: float,
     threshold: float = THRESHOLD,
 ) -> list[Lack]:
-    """Why a dancer is farther than `threshold` [m] from her places: [] if she never is.
+    """Return the reasons why a dancer is farther than `threshold` [m] from their places; [] if they never are.
 
-    First the steps for which the whole path is too fast, each with how fast it can be followed; then, where the error
-    has grown, the directions in which a longer step is missing.
+    First come the steps for which the whole path is too fast, each with the speed that is possible; then, where the
+    error has grown, the directions in which a longer step is missing.
     """
     if not (followed.error > threshold).any():
         return []
@@ -64,7 +64,7 @@ def path_lacks(
     lacks: list[Lack] = []
     slow: set[int] = set()
     for step in sorted(set(steps.tolist())):
-        most = reach_of(graph, candidates, step, seconds).most  # without turns: a spin is no way to travel
+        most = reach_of(graph, candidates, step, seconds).most  # without turns: a spin does not travel
         mean = float(targets.ways[steps == step].mean())
         if mean > most:
             slow.add(step)
@@ -77,10 +77,10 @@ def _too_fast(
 ) -> Lack:  # fmt: skip
     told = f"the path goes {mean:.2f} m a measure, but {step!r} travels {most:.2f} m at most"
     if most < _NO_TRAVEL:
-        remedy = f"record {step!r} going somewhere, or choose a step that travels"
+        remedy = f"record {step!r} with travel, or choose a step that travels"
     else:
         needed = int(np.ceil(targets.ways[measures].sum() / most))
-        remedy = f"give this way {needed} measures instead of {len(measures)}, or choose a step that travels farther"
+        remedy = f"give this path {needed} measures instead of {len(measures)}, or choose a step that travels farther"
     return Lack(step, "", tuple((measures + 1).tolist()), f"{told}: {remedy}")
 
 
@@ -88,7 +88,7 @@ def _directions(
     graph: MotionGraph, candidates: Candidates, targets: Targets, followed: FollowedPath, seconds: float,
     threshold: float, slow: set[int],
 ) -> list[Lack]:  # fmt: skip
-    """For every step and direction in which the error grew beyond the threshold, the longest way that was wanted."""
+    """Return, per step and direction in which the error grew beyond the threshold, the longest distance wanted."""
     library, steps = graph.library, graph.library.node_step[followed.node]
     before = np.concatenate(([0.0], followed.error[:-1]))
     grew = (followed.error > threshold) & (followed.error > before)
@@ -99,7 +99,7 @@ def _directions(
             continue
         heading = targets.heading[n : n + 1]
         wanted = turn_vectors(targets.place[n + 1 : n + 2] - place[n : n + 1], -heading)[0]
-        # what is missing is a step that goes a little farther than the path, not one that makes up for all at once
+        # the missing step goes a little farther than the path; it need not make up for the whole error at once
         longest = min(float(np.hypot(*wanted)), CATCH_UP * max(float(targets.ways[n]), threshold))
         found.setdefault((int(steps[n]), direction_of(wanted)), []).append((int(n) + 1, longest))
     lacks = []
@@ -114,11 +114,11 @@ def _directions(
         text = f"{where} {_listed(measures)}: {error:.2f} m off the path with {name!r}, "
         if longest > reached:
             text += (
-                f"{longest:.2f} m {direction} wanted, {reached:.2f} m there are: record {name!r} {direction}, "
+                f"{longest:.2f} m {direction} wanted, {reached:.2f} m available: record {name!r} {direction}, "
                 f"{longest:.1f} m a measure"
             )
         else:
-            text += f"which goes {direction} far enough, but not after the step before: give the turn more measures"
+            text += f"which travels {direction} far enough, but not after the step before: give the turn more measures"
         lacks.append(Lack(name, direction, measures, text))
     return lacks
 
@@ -135,25 +135,25 @@ class Missing:
     measure: int
     """The first measure of the dance, from 1, for which it is needed."""
     source: str | None
-    """The step it must follow; None if that does not matter."""
+    """The step that it must follow; None if that does not matter."""
     target: str | None
     """The step that cannot be reached; None: any."""
     needs: str
-    """What to record, to change or to allow."""
+    """What to record, change or allow."""
     pair: tuple[int, int] | None = None
     """The nearest nodes that would have to be joined."""
     distance: float | None = None
-    """How far apart they are [m] (K002)."""
+    """Distance of their poses [m] (K002)."""
 
     def row(self) -> dict[str, str | None]:
-        """As reports list it."""
+        """Return the row for reports."""
         return {"from": self.source, "to": self.target, "needs": self.needs}
 
 
 def find_missing(graph: MotionGraph, specification: Specification, *, start: int | None = None) -> list[Missing]:
-    """The fewest joins and clips that would let a sequence be danced as it is; empty if it can be.
+    """Return the fewest joins and clips that would make a sequence possible; empty if it is possible.
 
-    Each is named once, where it is needed first.
+    Each is named once, where it is first needed.
     """
     words = _Words(graph, specification)
     found: dict[tuple[str | None, str | None, str], Missing] = {}
@@ -164,7 +164,7 @@ def find_missing(graph: MotionGraph, specification: Specification, *, start: int
 
 
 class _Words:
-    """Says of gaps what would fill them."""
+    """Formatter of the remedies for gaps."""
 
     def __init__(self, graph: MotionGraph, specification: Specification) -> None:
         self._library = graph.library
@@ -173,7 +173,7 @@ class _Words:
         self.pairs = NearestPair(graph)
 
     def tell(self, gap: Gap) -> Missing:
-        """A gap in words."""
+        """Return a gap with its explanation."""
         number = int(self._spec.entry[gap.measure])
         entry = self._spec.wanted[number]
         target = None if entry.step is None else self._library.steps[entry.step]
@@ -191,7 +191,7 @@ class _Words:
             name = "the dance ends" if entry.step is None else f"{self._library.steps[entry.step]} begins"
             return f"no step is short enough to end where {name}: record one of 1 measure"
         words = self._way(entry)
-        if not words:  # a step that is there, but every clip of it was left out because of its foot (T134)
+        if not words:  # the step exists, but all its clips were left out because of the leading foot (T134)
             words = ["leads with the right foot where it travels left, or with the left where it travels right"]
         return f"no {self._library.steps[entry.step]}{_clauses(words)}: record one"
 
@@ -218,7 +218,7 @@ class _Words:
         )
 
     def _way(self, entry: Wanted) -> list[str]:
-        """Where it must go, and with which foot."""
+        """Return clauses for its direction and leading foot."""
         if not entry.way:
             return []
         words = ["is danced in place" if entry.way == "in place" else f"travels {entry.way}"]
@@ -236,7 +236,7 @@ class _Words:
 
 
 def _clauses(words: list[str]) -> str:
-    """ "that starts in Sous-sus, leads with the right foot and travels left"."""
+    """Return clauses as in " that starts in Sous-sus, leads with the right foot and travels left"."""
     if not words:
         return ""
     return " that " + (", ".join(words[:-1]) + " and " if len(words) > 1 else "") + words[-1]

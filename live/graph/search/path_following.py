@@ -1,15 +1,11 @@
-"""Paths on the stage: a drawn line becomes a place and a heading for the end of each measure (T067, T068, T127, T128).
+"""Dancing along a drawn line: targets per measure, and a beam search for clips, mixtures and turns (T067-T070).
 
-Places are positions, not distances: whoever ends a measure a little off aims at the next place from where she is, so
-that errors cancel instead of adding (T068).
+Targets are a place and a heading at the end of each measure (T067, T068, T127, T128). Places are positions, not
+distances: a dancer who ends a measure off the path aims at the next place from the actual position, so errors do not
+add up (T068).
 
-A path as it is danced: clips, mixtures and turns of all measures, and how near they come to the targets.
-
-Following a path: for each measure the clip, mixture and turn that keep a dancer on the line (T067-T070).
-
-A beam of hypotheses is led from measure to measure. Each knows where the dancer really is by then, so what one measure
-misses the next one makes up for (T068); and a step that is wanted later is never lost, because what every node still
-costs until the end in steps other than the wanted ones is counted beforehand, exactly.
+The beam of hypotheses advances measure by measure; each holds the dancer's actual position. Steps wanted later are
+never lost, because the number of wrong steps from every node to the end is computed exactly in advance.
 """
 
 import math
@@ -29,20 +25,20 @@ Float64 = npt.NDArray[np.float64]
 
 MOST_POINTS: Final = 100_000
 FARTHEST: Final = 1000.0
-"""A place farther than this [m] from the centre of the stage is a misprint."""
+"""A place farther than this [m] from the centre of the stage is treated as a typing error."""
 STILL: Final = 1e-3
-"""A way shorter than this [m] has no direction."""
+"""A path shorter than this [m] has no direction."""
 Facing = Literal["public", "path"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
-    """Where a dancer should be at the N + 1 measure lines of a path, the first one included."""
+    """Targets of a dancer at the N + 1 measure lines of a path, including the first."""
 
     place: Float64
     """x, z [m], shape (N + 1, 2)."""
     heading: Float64
-    """Where she should face [rad], unwrapped: a full turn is 2π away; shape (N + 1,)."""
+    """Target heading [rad], unwrapped: a full turn is 2π away; shape (N + 1,)."""
 
     @property
     def measures(self) -> int:
@@ -51,17 +47,17 @@ class Targets:
 
     @property
     def ways(self) -> Float64:
-        """Length of the way of each measure, as the crow flies [m], shape (N,)."""
+        """Return the straight distance of each measure [m], shape (N,)."""
         return np.asarray(np.hypot(*np.diff(self.place, axis=0).T), np.float64)
 
     @property
     def turns(self) -> Float64:
-        """Rotation wanted in each measure, O(n) - O(n - 1) [rad], shape (N,) (T128)."""
+        """Return the rotation wanted in each measure, O(n) - O(n - 1) [rad], shape (N,) (T128)."""
         return np.diff(self.heading)
 
 
 def read_path(text: str) -> Float64:
-    """The points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may part the pairs. Else a PersonError."""
+    """Parse the points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may separate pairs. Raises PersonError."""
     words = [word.strip() for word in text.replace(";", ",").split(",")]
     if len(words) > 2 * MOST_POINTS:
         raise PersonError(f"path: {len(words)} numbers, at most {2 * MOST_POINTS} are read", "give fewer points")
@@ -86,11 +82,11 @@ def read_path(text: str) -> Float64:
 
 
 def follow_line(points: npt.ArrayLike, measures: int, *, facing: Facing | tuple[float, float] = "public") -> Targets:
-    """The line through `points` (K, 2) [m] in `measures` parts of equal length (T067).
+    """Divide the line through `points` (K, 2) [m] into `measures` parts of equal length (T067).
 
-    `facing`: "public" (heading 0), "path" (along the way, the middle of each measure's), or two headings [rad], from
-    the first to the second evenly and the shorter way round. Points in one place count once; a line of no length is
-    a dance on the spot. ValueError for no points, numbers that are not finite, or fewer than one measure.
+    `facing`: "public" (heading 0), "path" (along the path at the middle of each measure), or two headings [rad] between
+    which it turns evenly in the shorter direction. Repeated points count once; a line of no length is a dance on the
+    spot. ValueError for no points, numbers that are not finite, or fewer than one measure.
     """
     points = np.asarray(points, np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not len(points) or not np.isfinite(points).all():
@@ -113,22 +109,21 @@ def follow_line(points: npt.ArrayLike, measures: int, *, facing: Facing | tuple[
 
 
 def along_headings(place: Float64) -> Float64:
-    """Headings [rad], unwrapped, (N + 1,): at each place along the way that leads there; the first as the second."""
+    """Return headings [rad], unwrapped, (N + 1,): at each place along the path to it; the first like the second."""
     way = np.diff(place, axis=0)
     moves = np.hypot(*way.T) > STILL
     if not moves.any():
         return np.zeros(len(place))
     direction = np.arctan2(way[:, 0], way[:, 1])
-    last = np.maximum.accumulate(np.where(moves, np.arange(len(way)), -1))  # whoever stands faces where she came to
+    last = np.maximum.accumulate(np.where(moves, np.arange(len(way)), -1))  # a standing dancer keeps the last direction
     direction = direction[np.where(last >= 0, last, int(np.argmax(moves)))]
     return np.unwrap(np.concatenate((direction[:1], direction)))
 
 
 def join_targets(pieces: Sequence[Targets]) -> Targets:
-    """Several paths one after another (T067): each begins where its own points do, after the last one's final line.
+    """Join several paths (T067): each begins at its own points, after the final line of the one before.
 
-    The headings of a later path are taken the shorter way round from those of the one before. ValueError if there is
-    none.
+    The headings of a later path continue in the shorter direction from the one before. ValueError if there is none.
     """
     if not pieces:
         raise ValueError("no paths to join")
@@ -141,10 +136,10 @@ def join_targets(pieces: Sequence[Targets]) -> Targets:
 
 
 def smooth_headings(heading: npt.ArrayLike) -> Float64:
-    """O'(n) = 0.25 O(n - 1) + 0.5 O(n) + 0.25 O(n + 1) of headings (N,) [rad], unwrapped first (T127).
+    """Return O'(n) = 0.25 O(n - 1) + 0.5 O(n) + 0.25 O(n + 1) of headings (N,) [rad], unwrapped first (T127).
 
-    The first and the last are held beyond the ends: a dancer begins and ends as was asked but for a quarter of the
-    neighbour's difference.
+    The first and the last are repeated beyond the ends, so they change only by a quarter of the difference to their
+    neighbours.
     """
     unwrapped = np.unwrap(np.asarray(heading, np.float64))
     held = np.concatenate((unwrapped[:1], unwrapped, unwrapped[-1:]))
@@ -152,7 +147,7 @@ def smooth_headings(heading: npt.ArrayLike) -> Float64:
 
 
 def smoothed(targets: Targets) -> Targets:
-    """The targets with their headings smoothed (T127); the places stay."""
+    """Return the targets with smoothed headings (T127); the places stay."""
     return Targets(targets.place, smooth_headings(targets.heading))
 
 
@@ -166,47 +161,47 @@ Bool = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FollowedPath:
-    """What is danced over M measures, and how near to the targets it comes."""
+    """The dance over M measures, and its errors relative to the targets."""
 
     node: Int32
     """Shape (M,)."""
     take: Int32
-    """Node of the other take that is mixed in, NO_TAKE for none, shape (M,)."""
+    """Node of the other take that is mixed in, NO_TAKE if none, shape (M,)."""
     share: Float64
-    """How much of it, shape (M,)."""
+    """Share of the other take, shape (M,)."""
     turn: Float64
-    """Turn on the carrying foot in each measure [rad], shape (M,)."""
+    """Turn on the supporting foot in each measure [rad], shape (M,)."""
     correction: Float64
-    """What moves the hips besides [m], shape (M, 2)."""
+    """Additional displacement of the hips [m], shape (M, 2)."""
     place: Float64
-    """Where the hips are at the end of each measure [m], shape (M, 2)."""
+    """Place of the hips at the end of each measure [m], shape (M, 2)."""
     error: Float64
-    """How far that is from the target [m], shape (M,)."""
+    """Distance from the target [m], shape (M,)."""
     heading_error: Float64
-    """How far the body faces from where it should [rad], absolute, shape (M,)."""
+    """Absolute difference to the target heading [rad], shape (M,)."""
     wrong: Bool
-    """Measures of another step than the wanted one, shape (M,)."""
+    """Measures with another step than the wanted one, shape (M,)."""
 
 
 BEAM: Final = 48
 MOST_ROWS: Final = 40_000
-"""Candidates weighed for one measure; of more, those whose own clips come nearest, so that any graph is quick."""
+"""Candidates evaluated for one measure; of more, those whose own clips come nearest, to bound the time."""
 PER_NODE: Final = 6
-"""Hypotheses kept in one node: the others would differ by hairs."""
+"""Hypotheses kept in one node: more would hardly differ."""
 HEADING: Final = 0.05
-"""A radian off the heading costs as much as this many square metres off the place..."""
+"""Cost of a radian of heading error, in square metres of place error..."""
 EDGE: Final = 0.05
-"""... and a metre between the poses of a join..."""
+"""... of a metre between the poses of a join..."""
 TURN: Final = 0.005
-"""... a radian of turning in a measure, for who can go there without turns back and forth does..."""
+"""... of a radian of turning in a measure, to avoid turning back and forth..."""
 WRONG: Final = 1e4
-"""... and a measure of another step: more than any place on the stage."""
+"""... and of a measure of another step: more than any place on the stage."""
 NEAR: Final = 0.1
 FAR: Final = 20.0
-"""A place farther than NEAR [m] from its target costs FAR times the square of what it is beyond that, besides: one
-measure that is far off is seen, many that are a little off are not."""
+"""A place farther than NEAR [m] from its target costs in addition FAR times the square of the excess: one large error
+is more visible than many small ones."""
 CORRECTED: Final = 0.3
-"""A square metre of correction costs this."""
+"""Cost of a square metre of correction."""
 
 
 def follow_path(
@@ -220,13 +215,12 @@ def follow_path(
     candidates: Candidates | None = None,
     beam: int = BEAM,
 ) -> FollowedPath:
-    """Dance along `targets` (M measures of `seconds`), beginning at the first of them.
+    """Return a dance along `targets` (M measures of `seconds`), beginning at the first of them.
 
-    `wanted` (M,) are steps by index, `ANY` for no matter which; `fits` (M, N) says more exactly which nodes may be
-    danced when (see `Specification`; with both, what fits both). Where nothing that fits can be reached, something
-    else is danced, in as few measures as possible. `correction_m` [m]: by so much the hips may be moved each measure
-    beyond what the clips do; held feet hide it as far as legs reach.
-    Deterministic. ValueError for arrays of other lengths, or no measure.
+    `wanted` (M,) are steps by index, `ANY` for any; `fits` (M, N) defines which nodes may be danced when (see
+    `Specification`); with both, both must hold. Where no fitting node can be reached, something else is danced, in as
+    few measures as possible. `correction_m` [m]: how far the hips may be displaced each measure beyond the clips; foot
+    lock hides it within leg reach. Deterministic. ValueError for arrays of other lengths, or no measure.
     """
     count = targets.measures
     if count < 1 or not seconds > 0.0:
@@ -243,20 +237,20 @@ class _Front:
     """B hypotheses after a measure."""
 
     cost: Float64
-    """All costs up to here but that of this measure's end, which is known only when the next clip joins, (B,)."""
+    """Costs so far without that of this measure's end, which is known only when the next clip joins, (B,)."""
     node: Int32
     hips: Float64
     """(B, 2)"""
     heading: Float64
     back: Int32
-    """Rows of the front before, (B,)."""
+    """Rows of the previous front, (B,)."""
     row: Int32
     """Candidates, (B,)."""
     turn: Float64
     correction: Float64
     """(B, 2)"""
     joined_at: Float64
-    """Where the hips were when this measure began, and how far the body faced from the target then, (B, 3)."""
+    """Hips and heading error at the beginning of this measure, (B, 3)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -278,13 +272,13 @@ class _Search:
         )
 
     def _begin(self, wrong: Bool, to_go: Float64) -> _Front:
-        """Every step that can be begun, at the first place of the path."""
+        """Return the front of all steps that can be begun at the first place of the path."""
         library, first = self.graph.library, self.targets
         node = np.flatnonzero(self.graph.alive & np.isfinite(to_go)).astype(np.int32)
         if (library.node_measure[node] == 0).any():
             node = node[library.node_measure[node] == 0]
         if not len(node):
-            raise ValueError("no step can be begun: nothing in the graph leads on")
+            raise ValueError("no step can begin: no node of the graph has a successor")
         count = len(node)
         placement = begun(
             self.graph, node, np.tile(first.place[0], (count, 1)), np.full(count, first.heading[0])
@@ -294,7 +288,7 @@ class _Search:
         return self._weigh(1, np.zeros(count, np.int32), cost, node, placement, start, to_go)
 
     def _continue(self, front: _Front, n: int, wrong: Bool, to_go: Float64) -> _Front:
-        """All that can follow the hypotheses of `front` in measure n."""
+        """Return the front of all nodes that can follow the hypotheses of `front` in measure n."""
         graph, library = self.graph, self.graph.library
         axes = next_axes(graph, front.node, front.hips, front.heading)
         first, last = graph.edge_start[front.node], graph.edge_start[front.node + 1]
@@ -322,7 +316,7 @@ class _Search:
     def _weigh(
         self, line: int, back: Int32, cost: Float64, node: Int32, placement: Float64, start: Float64, to_go: Float64
     ) -> _Front:
-        """The best candidates of all `node` (n,), each laid down at its placement, for the measure before `line`."""
+        """Return the best candidates of all `node` (n,), each at its placement, for the measure before `line`."""
         entry = self._worth_trying(line, cost, node, placement, to_go)
         count = np.diff(self.candidates.first)[node[entry]]
         before = np.repeat(np.cumsum(count) - count, count)
@@ -333,7 +327,7 @@ class _Search:
     def _worth_trying(
         self, line: int, cost: Float64, node: Int32, placement: Float64, to_go: Float64
     ) -> npt.NDArray[np.int64]:
-        """Rows of `node`: all, or, of too many, those whose own clips, unmixed, come nearest."""
+        """Return the rows of `node` to try: all, or, of too many, those whose own clips, unmixed, come nearest."""
         count = np.diff(self.candidates.first)[node]
         if count.sum() <= MOST_ROWS:
             return np.arange(len(node))
@@ -344,7 +338,7 @@ class _Search:
         return np.sort(order[np.cumsum(count[order]) <= MOST_ROWS])
 
     def _ends(self, line: int, row: Int32, placement: Float64) -> tuple[Float64, Float64, Float64, Float64]:
-        """Turn (n,), correction (n, 2), hips (n, 2) and heading (n,) of candidates `row` (n,) at `placement` (n, 3)."""
+        """Return turn, correction (n, 2), hips (n, 2) and heading of candidates `row` (n,) at `placement` (n, 3)."""
         candidates = self.candidates
         most = candidates.most_turn(self.seconds)[candidates.node[row]]
         turn = wrapped(self.targets.heading[line] - placement[:, 2] - candidates.facing[row])
@@ -359,7 +353,7 @@ class _Search:
         self, line: int, row: Int32, entry: npt.NDArray[np.int64], back: Int32, cost: Float64, node: Int32,
         placement: Float64, start: Float64, to_go: Float64,
     ) -> _Front:  # fmt: skip
-        """The front of the best candidates `row` (n,), each for the row `entry` (n,) of the other arrays."""
+        """Return the front of the best candidates `row` (n,), each for the row `entry` (n,) of the other arrays."""
         turn, correction, hips, heading = self._ends(line, row, placement[entry])
         spent = cost[entry] + TURN * turn**2 + CORRECTED * (correction**2).sum(axis=1)
         score = spent + self._end_cost(line, hips, heading) + WRONG * to_go[node[entry]]
@@ -395,7 +389,7 @@ class _Search:
 
 
 def _best(score: Float64, node: Int32, beam: int) -> npt.NDArray[np.int64]:
-    """Rows of the lowest scores, at most PER_NODE for one node and `beam` in all, the lowest first."""
+    """Return the rows of the lowest scores, at most PER_NODE per node and `beam` in all, the lowest first."""
     order = np.argsort(score, kind="stable")[: 40 * beam]
     grouped = np.argsort(node[order], kind="stable")
     sorted_node = node[order][grouped]

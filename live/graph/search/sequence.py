@@ -1,7 +1,4 @@
-"""Sequences: a list of wanted steps becomes a path through the motion graph, exactly on the measures (T063-T066).
-
-What a choreographer writes, "couru left, échappé x2, *", as the entries of a sequence.
-"""
+"""Sequences: parsing of wanted steps ("couru left, échappé x2, *"), and the search for a matching path (T063-T066)."""
 
 import difflib
 import re
@@ -28,28 +25,28 @@ Method = Literal["layered", "depth first"]
 
 
 class NoPath(ValueError):
-    """There is no dance of so many measures at all, not even with other steps."""
+    """There is no dance of the requested number of measures, even with other steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundPath:
-    """A dance of M measures, and how far it is from what was wanted."""
+    """A dance of M measures, and its differences from the request."""
 
     node: Int32
     """Shape (M,)."""
     wrong: Bool
-    """Measures that are not as wanted, shape (M,)."""
+    """Measures that differ from the request, shape (M,)."""
     edge_cost: Float64
-    """Distance of the poses where each measure begins [m] (K002), 0 for a first measure, shape (M,)."""
+    """Distance of the poses at the beginning of each measure [m] (K002), 0 for a first measure, shape (M,)."""
 
     @property
     def cost(self) -> int:
-        """How many measures are not as wanted (T063)."""
+        """Number of measures that differ from the request (T063)."""
         return int(self.wrong.sum())
 
     @property
     def roughness(self) -> float:
-        """Sum of the edge costs [m]: of dances of one cost the one with the least is found."""
+        """Sum of the edge costs [m]; among dances of equal cost the search finds the least."""
         return float(self.edge_cost.sum())
 
 
@@ -61,12 +58,12 @@ def find_sequence(
     method: Method = "layered",
     budget: int = BUDGET,
 ) -> FoundPath:
-    """The dance with the fewest wrong measures (T063), of those the smoothest.
+    """Return the dance with the fewest wrong measures (T063), and of those the smoothest.
 
     `start` is the node danced before the first measure; without it the dance begins with any step. Method "depth first"
-    is the thesis' search (T064): the first dance without a wrong measure, not the smoothest; it raises SearchTooLong
-    after `budget` nodes, and where there is none the layered search finds the nearest (T065). NoPath if there is no
-    dance of so many measures.
+    is the thesis' search (T064): the first dance without a wrong measure, not the smoothest. It raises SearchTooLong
+    after `budget` nodes; if it finds none, the layered search finds the nearest (T065). NoPath if there is no dance of
+    that many measures.
     """
     edges = edges_of(graph)
     node = depth_first(edges, specification, start=start, budget=budget) if method == "depth first" else None
@@ -80,9 +77,9 @@ def find_sequence(
 
 
 def best_start(graph: MotionGraph, specification: Specification, nodes: npt.ArrayLike) -> int:
-    """The one of some nodes after which the dance has the fewest wrong measures, of those the smoothest.
+    """Return the node after which the dance has the fewest wrong measures, of those the smoothest.
 
-    One search for all of them; the first node if no dance follows any.
+    One search covers all `nodes`; the first node is returned if no dance follows any.
     """
     edges = edges_of(graph)
     value = CostToGo(edges, specification, wrong=True).layer(0)
@@ -93,7 +90,7 @@ def best_start(graph: MotionGraph, specification: Specification, nodes: npt.Arra
 
 
 def edges_of(graph: MotionGraph) -> Edges:
-    """The graph's edges as the searches read them."""
+    """Return the graph's edges in the format of the searches."""
     return Edges(graph.edge_start, graph.edge_target, graph.edge_cost)
 
 
@@ -113,15 +110,15 @@ ANY: Final = "*"
 _TIMES: Final = re.compile(r"(?P<what>.+?)\s+[x×]\s*(?P<times>[0-9]{1,200})")
 _LENGTH: Final = re.compile(r"(?P<what>.+?)\s*:\s*(?P<measures>[0-9]{1,3})")
 _WAYS: Final = tuple(dict.fromkeys([*DIRECTIONS, *(way.split()[-1] for way in DIRECTIONS[1:])]))
-"""Ways that may follow a step's name: the nine directions, or only where to."""
+"""Directions that may follow a step's name: the nine directions, or only their last word."""
 
 
 def parse_sequence(text: str, library: StepLibrary) -> list[Wanted]:
-    """The entries of a sequence: names of steps with commas between them.
+    """Parse a sequence: names of steps with commas between them.
 
-    "*" is a measure of anything, "x3" after an entry repeats it, a direction after a name asks for that way, and ":2"
-    for the variation of two measures where a step has several lengths. Capitals, accents, blanks and underscores do
-    not matter. PersonError names the entry, what was read, and the nearest names.
+    "*" is a measure of anything, "x3" after an entry repeats it, a direction after a name selects it, and ":2" selects
+    the variation of two measures if a step has several lengths. Capitals, accents, blanks and underscores do not
+    matter. PersonError names the entry, the text read, and the nearest names.
     """
     wanted: list[Wanted] = []
     parts = text.split(",")
@@ -130,7 +127,7 @@ def parse_sequence(text: str, library: StepLibrary) -> list[Wanted]:
         if not part.strip():
             raise PersonError(f"{where} is empty: the name of a step or {ANY} expected", known(library))
         what, times = _repeats(part.strip(), library)
-        measures = len(wanted) + times  # at least: no entry is shorter than a measure
+        measures = len(wanted) + times  # lower bound: no entry is shorter than a measure
         if times < 1 or measures > MOST_MEASURES:
             raise PersonError(
                 f"{where}, {_short(part)}: 1 to {MOST_MEASURES} measures in all expected",
@@ -141,7 +138,7 @@ def parse_sequence(text: str, library: StepLibrary) -> list[Wanted]:
 
 
 def find_name(library: StepLibrary, name: str) -> int | None:
-    """Index of the step called `name`; accents do not matter either, unless two steps differ in nothing else."""
+    """Return the index of the step called `name`; accents are ignored unless they distinguish two steps."""
     index = library.step_index(name)
     if index is None:
         plain = [_unaccented(step) for step in library.steps]
@@ -151,12 +148,12 @@ def find_name(library: StepLibrary, name: str) -> int | None:
 
 
 def known(library: StepLibrary, count: int = 12) -> str:
-    """The names of the steps that there are, the first few of many."""
+    """Return a text with the names of the first few steps."""
     return "the steps are " + ", ".join(library.steps[:count]) + (", ..." if len(library.steps) > count else "")
 
 
 def _repeats(part: str, library: StepLibrary) -> tuple[str, int]:
-    """An entry without its repeats, and how many there are; a step may itself be called "wave x2"."""
+    """Return an entry without its repeats, and their number; a step may itself be called "wave x2"."""
     match = _TIMES.fullmatch(part)
     if match is None or find_name(library, part) is not None:
         return part, 1
@@ -195,7 +192,7 @@ def _entry(what: str, library: StepLibrary, where: str) -> Wanted:
 
 
 def _way(what: str) -> tuple[str, str]:
-    """Name and direction of "walk long left"; no direction if there is none at the end."""
+    """Return name and direction of "walk long left"; no direction if there is none at the end."""
     plain = " ".join(what.casefold().replace("_", " ").split())
     for way in _WAYS:
         if plain.endswith(" " + way):

@@ -1,7 +1,4 @@
-"""Gaps: where a wanted sequence cannot be danced, and the fewest joins that would let it be (T065).
-
-Wrong steps: which nodes are not the wanted step in which measure, and how many such measures are still to come.
-"""
+"""Gaps in a sequence that cannot be danced, the fewest joins that would fix it (T065), and wrong-step counts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,32 +15,32 @@ Bool = npt.NDArray[np.bool_]
 Float64 = npt.NDArray[np.float64]
 
 ChoosePair = Callable[[Bool, Bool], tuple[int, int]]
-"""Which of some last nodes, and which of some first nodes, is best joined; both (N,)."""
+"""Chooses which of some last nodes and which of some first nodes are best joined; both (N,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A place in the dance that nothing bridges."""
+    """A measure of the dance that no path reaches."""
 
     measure: int
-    """The measure, from 0, that cannot be reached, or has no clip at all."""
+    """The measure, from 0, that cannot be reached, or has no clip."""
     pair: tuple[int, int] | None = None
-    """The join that is missing, from node to node; None if no join would do."""
+    """The missing join, from node to node; None if no join would help."""
     has_clip: bool = True
-    """Whether any clip does what is wanted in that measure."""
+    """Whether any clip fits that measure."""
 
 
 def find_gaps(edges: Edges, specification: Specification, choose: ChoosePair, *, start: int | None = None) -> list[Gap]:
-    """The gaps of a dance that begins with any step, or after the node `start`; none if it can be danced.
+    """Return the gaps of a dance that begins with any step, or after the node `start`; none if it is possible.
 
-    There are as few joins as can be, each as late as can be, and they belong to one dance: with them it can be danced
-    from beginning to end. Linear in its measures and the edges.
+    There are as few joins as possible, each as late as possible, and with all of them the dance is possible from
+    beginning to end. Linear in its measures and the edges.
     """
     gaps: list[Gap] = []
     begin = 0
     lacking = np.flatnonzero(~specification.fits.any(axis=1))
     empty = np.flatnonzero(np.isin(specification.kind, lacking))
-    for entry in np.unique(specification.entry[empty]):  # what has no clip parts the dance
+    for entry in np.unique(specification.entry[empty]):  # entries without a clip divide the dance
         own = np.flatnonzero(specification.entry == entry)
         gaps += _Stretch(edges, specification, begin, int(own[0]), choose).find(start)
         gaps.append(Gap(int(own[0]), has_clip=False))
@@ -52,7 +49,7 @@ def find_gaps(edges: Edges, specification: Specification, choose: ChoosePair, *,
 
 
 class _Stretch:
-    """Measures `begin` to `stop` of a dance, each of which some clips would do."""
+    """Measures `begin` to `stop` of a dance; each has clips that fit."""
 
     def __init__(self, edges: Edges, specification: Specification, begin: int, stop: int, choose: ChoosePair) -> None:
         self._spec = replace(specification, kind=specification.kind[begin:stop])
@@ -81,7 +78,7 @@ class _Stretch:
         return self._gaps
 
     def _enter(self) -> tuple[Bool, float]:
-        """The nodes with which the stretch begins best, and what they cost to its end."""
+        """Return the best nodes to begin the stretch with, and their cost to its end."""
         value = self._costs.layer(0)
         least = float((value + np.where(self._spec.enters, 0.0, self._costs.broken)).min())
         here = (value == least) & self._spec.enters
@@ -91,7 +88,7 @@ class _Stretch:
         return np.asarray(value == least - self._costs.broken), least - self._costs.broken
 
     def _go_on(self, here: Bool, left: float, measure: int) -> tuple[Bool, float]:
-        """From the nodes `here`, which cost `left` to the end, to the best of the next measure."""
+        """Continue from the nodes `here`, which cost `left` to the end, to the best of the next measure."""
         value = self._costs.layer(measure)
         there = np.zeros_like(here)
         there[self._edges.target[here[self._costs.source]]] = True
@@ -111,20 +108,20 @@ class _Stretch:
 
 
 class _JoinsToGo(CostToGo):
-    """Of every node the joins that a dance as specified lacks from there to its end.
+    """For every node, the joins that the specified dance lacks from there to its end.
 
-    An edge costs nothing, the join of another end and beginning 1, and more than all of them to break off a step.
+    An edge costs 0, a join of another end and beginning 1, and breaking off a step more than all of them.
     """
 
     def __init__(self, edges: Edges, specification: Specification) -> None:
         self.broken = specification.measures + 1.0
-        """What it costs to break off."""
+        """Cost of breaking off a step."""
         self.source = np.repeat(np.arange(len(edges.start) - 1), np.diff(edges.start))
-        """Where each edge comes from, (E,)."""
+        """Source node of each edge, (E,)."""
         super().__init__(Edges(edges.start, edges.target, np.zeros(len(edges.target))), specification, wrong=False)
 
     def before(self, value: Float64, here: Bool, by_edges: Float64 | None = None) -> Float64:
-        """What the nodes `here` (N,) cost to the end if those of the next measure cost `value` (N,)."""
+        """Return the cost of the nodes `here` (N,) to the end if those of the next measure cost `value` (N,)."""
         if by_edges is None:
             by_edges = np.full(len(value), np.inf)
             np.minimum.at(by_edges, self.source, value[self.edges.target])
@@ -141,13 +138,13 @@ class _JoinsToGo(CostToGo):
 
 
 ANY: Final = -1
-"""A measure in which any step is right."""
+"""A measure in which any step is allowed."""
 
 
 def wrong_steps(graph: MotionGraph, count: int, wanted: npt.ArrayLike | None, fits: Bool | None) -> Bool:
-    """Whether each node would be another step than the wanted one in each of `count` measures, shape (M, N).
+    """Return whether each node would be a wrong step in each of `count` measures, shape (M, N).
 
-    `wanted` (M,) steps by index or `ANY`, `fits` (M, N) which nodes may be danced; ValueError for other shapes.
+    `wanted` (M,) are steps by index or `ANY`, `fits` (M, N) are allowed nodes; ValueError for other shapes.
     """
     library = graph.library
     shape = (count, library.node_count)
@@ -165,7 +162,7 @@ def wrong_steps(graph: MotionGraph, count: int, wanted: npt.ArrayLike | None, fi
 
 
 def cost_to_go(graph: MotionGraph, wrong: Bool) -> Float64:
-    """The fewest wrong measures, (M, N), after node v is danced in measure n, backwards over all edges; exact."""
+    """Return the exact minimum of wrong measures, (M, N), after node v in measure n, backwards over all edges."""
     filled = np.flatnonzero(np.diff(graph.edge_start) > 0)
     starts = graph.edge_start[filled]
     left = np.full(wrong.shape, np.inf)

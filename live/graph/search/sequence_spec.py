@@ -1,4 +1,4 @@
-"""Specification: which step a dance shall have in every measure (T063), and which nodes would do there."""
+"""Specification of a sequence: the wanted step of every measure (T063), and the nodes that fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Bool = npt.NDArray[np.bool_]
 MOST_MEASURES: Final = 100_000
 """Longest dance that is searched: fourteen hours at 120 bpm."""
 LEADING: Final = {"left": "right", "right": "left"}
-"""Which foot leads where a step travels (T134)."""
+"""The leading foot for sideways directions (T134)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,11 +25,11 @@ class Wanted:
     """One entry of a sequence: a step danced once, or one measure of anything."""
 
     step: int | None
-    """Index of the step in the library; None: any step will do."""
+    """Index of the step in the library; None: any step."""
     measures: int = 1
-    """Its length."""
+    """Length in measures."""
     way: str = ""
-    """Where it must travel, in words of DIRECTIONS, as "left" or "long left"; "": anywhere."""
+    """Direction of travel, in words of DIRECTIONS, as "left" or "long left"; "": any."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,15 +38,15 @@ class Specification:
 
     wanted: tuple[Wanted, ...]
     fits: Bool
-    """Which nodes would do, set by set, shape (K, N)."""
+    """The nodes in each set, shape (K, N)."""
     kind: Int32
-    """The set that each measure asks for, shape (M,)."""
+    """The set of each measure, shape (M,)."""
     entry: Int32
-    """The entry of `wanted` that each measure belongs to, shape (M,)."""
+    """The entry of `wanted` of each measure, shape (M,)."""
     enters: Bool
-    """Nodes with which a step begins, shape (N,)."""
+    """Nodes that begin a step, shape (N,)."""
     leaves: Bool
-    """Nodes with which a step ends, shape (N,)."""
+    """Nodes that end a step, shape (N,)."""
     foot_rule: bool
     """Whether clips that lead with the wrong foot were left out (T134)."""
 
@@ -56,16 +56,16 @@ class Specification:
         return len(self.kind)
 
     def at(self, measure: int) -> Bool:
-        """The nodes that would do in a measure, from 0, (N,)."""
+        """Return the nodes that fit a measure (from 0), (N,)."""
         return np.asarray(self.fits[self.kind[measure]], np.bool_)
 
 
 def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool = False) -> Specification:
-    """The sets of nodes that a sequence asks for, measure by measure.
+    """Return the sets of nodes of a sequence, measure by measure.
 
-    A step is danced from its first measure to its last: its nth measure is asked for by name and number, so that no
-    step is entered in its middle. With `foot_rule` a step that travels sideways must lead with the other foot (T134);
-    clips of which either is not known are not judged. PersonError for an empty or endless sequence.
+    A step is danced from its first measure to its last: measures are requested by step and number, so no step is
+    entered in its middle. With `foot_rule` a step that travels sideways must lead with the other foot (T134); clips in
+    which either is unknown pass. PersonError for an empty or endless sequence.
     """
     total = sum(entry.measures for entry in wanted)
     if not 1 <= total <= MOST_MEASURES:
@@ -85,7 +85,7 @@ def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool =
                 sets.append(sound & nodes_of(library, entry, measure))
             kind[n], entries[n] = found[entry, measure], number
             n += 1
-    if wanted[-1].step is None:  # whatever is danced last must end with the dance
+    if wanted[-1].step is None:  # the last step must end with the dance
         kind[-1] = len(sets)
         sets.append(sound & leaves)
     return Specification(
@@ -100,7 +100,7 @@ def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool =
 
 
 def nodes_of(library: StepLibrary, entry: Wanted, measure: int) -> Bool:
-    """The nodes that hold a measure, from 0, of what is wanted, shape (N,)."""
+    """Return the nodes that hold a measure (from 0) of the entry, shape (N,)."""
     if entry.step is None:
         return np.ones(library.node_count, np.bool_)
     found = (library.node_step == entry.step) & (library.node_measure == measure)
@@ -111,14 +111,14 @@ def nodes_of(library: StepLibrary, entry: Wanted, measure: int) -> Bool:
 
 
 def travels(clip: StepClip, way: str) -> bool:
-    """Whether a clip goes where the words of `way` say: "left" is both short and long."""
+    """Whether a clip travels in the direction `way`: "left" includes short and long."""
     return set(way.split()) <= set(clip.direction.split())
 
 
 def leads_rightly(clip: StepClip) -> bool:
-    """Whether the foot that leads lets the clip travel as it does (T134): to the left the right foot leads.
+    """Whether the leading foot suits the clip's direction (T134): to the left the right foot leads.
 
-    True where either is not known, or the clip does not travel sideways.
+    True if either is unknown, or the clip does not travel sideways.
     """
     side = clip.direction.split()[-1]
     return not clip.leading_foot or LEADING.get(side, clip.leading_foot) == clip.leading_foot

@@ -1,8 +1,8 @@
-"""Layered search: the cheapest way through measures × nodes, backwards from the end of the dance (T063, T065).
+"""Layered search: the cheapest path through measures × nodes, backwards from the end of the dance (T063, T065).
 
-The thesis searches depth first (T064), which is exponential where branches die late. The cost of the best end of a
-dance depends on the measure and the node alone, so one pass over the edges per measure finds it for all nodes at once:
-O(M · E) time. What is kept is bounded: of long dances every Bth layer, from which the layers between are made again.
+The thesis searches depth first (T064), which is exponential where dead ends are found late. The cost of the best
+remaining dance depends only on the measure and the node, so one pass over the edges per measure finds it for all nodes:
+O(M · E) time. Memory is bounded: of long dances every Bth layer is kept, and the layers between are recomputed.
 """
 
 from dataclasses import dataclass, field
@@ -32,22 +32,22 @@ class Edges:
     target: Int32
     """Shape (E,)."""
     cost: Float64
-    """What taking it costs, 0 or more, shape (E,)."""
+    """Cost of each edge, 0 or more, shape (E,)."""
     _rows: "list[_Rows]" = field(default_factory=list)
 
     @property
     def rows(self) -> "_Rows":
-        """All edges row after row; worked out once."""
+        """All edges grouped by source; computed once."""
         if not self._rows:
             self._rows.append(_Rows.of(self, np.ones(len(self.start) - 1, np.bool_)))
         return self._rows[0]
 
 
 class CostToGo:
-    """Of every node in every measure the cost of the best dance from there to the end.
+    """For every node in every measure, the cost of the best dance from there to the end.
 
-    A cost counts wrong measures first and the sum of edge costs second: `unit` is more than all edges can cost.
-    Without `wrong` only measures that are as specified count, and every other node costs infinitely much.
+    A cost counts wrong measures first and the sum of edge costs second: `unit` is more than the sum of all edges of a
+    dance. Without `wrong`, only measures as specified are allowed, and every other node costs infinitely much.
     """
 
     def __init__(self, edges: Edges, specification: Specification, *, wrong: bool, block: int | None = None) -> None:
@@ -56,7 +56,7 @@ class CostToGo:
         self.wrong = wrong
         measures, nodes = specification.measures, len(edges.start) - 1
         self.unit = 1.0 + (measures + 1) * float(edges.cost.max(initial=0.0))
-        """What a wrong measure costs."""
+        """Cost of a wrong measure."""
         self._block = max(2, block or KEPT_VALUES // max(nodes, 1))
         kinds = specification.fits
         self._rows = [edges.rows] if wrong else [_Rows.of(edges, fit) for fit in kinds]
@@ -66,18 +66,18 @@ class CostToGo:
         self._first, self._layers = -1, np.empty((0, nodes))
 
     def layer(self, measure: int) -> Float64:
-        """Costs from a measure on, that measure's included, shape (N,); cheap when asked in the order of the dance."""
+        """Return the costs from a measure on, including it, shape (N,); fast when called in the order of the dance."""
         block = measure - measure % self._block
         if block != self._first:
             self._first, self._layers = block, self._make(block)
         return np.asarray(self._layers[measure - block], np.float64)
 
     def wrong_measures(self, value: float) -> int:
-        """The wrong measures in a cost."""
+        """Return the number of wrong measures in a cost."""
         return int(value // self.unit)
 
     def _keep_marks(self) -> dict[int, Float64]:
-        """The first layer of every block but the first, from the end to the beginning."""
+        """Return the first layer of every block but the first, from the end to the beginning."""
         marks: dict[int, Float64] = {}
         value = self._last
         for measure in range(self.specification.measures - 1, self._block - 1, -1):
@@ -95,7 +95,7 @@ class CostToGo:
         return layers
 
     def _before(self, measure: int, value: Float64) -> Float64:
-        """The layer of a measure from that of the next one; from `_last` for the last measure, which needs no edge."""
+        """Return the layer of a measure from that of the next one; for the last measure from `_last`, without edges."""
         kind = self.specification.kind[measure]
         if measure == self.specification.measures - 1:
             return np.asarray(value + self._own[kind])
@@ -107,7 +107,7 @@ class CostToGo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rows:
-    """The edges that leave some of the nodes, row after row; nodes without edges are left out."""
+    """The edges that leave some of the nodes, grouped by source; nodes without edges are left out."""
 
     node: Int64
     first: Int64
@@ -120,16 +120,16 @@ class _Rows:
         node = np.flatnonzero(chosen & (count > 0))
         length = count[node]
         first = np.cumsum(length) - length
-        if chosen.all():  # nothing to pick out
+        if chosen.all():
             return cls(node, first, edges.target, edges.cost)
         edge = np.arange(int(length.sum())) + np.repeat(edges.start[node] - first, length)
         return cls(node, first, edges.target[edge], edges.cost[edge])
 
 
 def cheapest(costs: CostToGo, start: int | None) -> Int32 | None:
-    """The cheapest dance as nodes (M,), from the beginning of a step or after the node `start`; None if there is none.
+    """Return the cheapest dance as nodes (M,), from the beginning of a step or after `start`; None if there is none.
 
-    Of dances that cost the same the one whose nodes come first in the library.
+    Among equal costs, the dance whose nodes come first in the library is returned.
     """
     edges, spec = costs.edges, costs.specification
     nodes = np.empty(spec.measures, np.int32)

@@ -1,1 +1,1 @@
-"""Selection of the next measure, live: candidates, scores, reachability. It may import what `graph` may."""
+"""Live selection of the next measure: candidates, scores, reachability. It may import what `graph` may."""

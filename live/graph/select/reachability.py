@@ -1,7 +1,4 @@
-"""Ways: how far one measure of each step can go in each direction, so that nobody is asked for more (T068, T075).
-
-Reach: where one measure of a step can take a dancer, and in which directions recordings are missing (T075).
-"""
+"""Reachability: how far a measure of each step can go in each direction, and missing directions (T068, T075)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -17,19 +14,19 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 TABLED_DIRECTIONS: Final = 32
-"""Directions that are tabled, evenly over the circle."""
+"""Directions in the table, evenly over the circle."""
 TURNS: Final = np.radians(np.linspace(-90.0, 90.0, 9))
-"""Changes of heading over the measure that are tabled [rad]."""
+"""Changes of heading over the measure in the table [rad]."""
 NORMALS: Final = 72
-"""Half planes whose meet is taken for a convex hull."""
+"""Half planes whose intersection approximates a convex hull."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ways:
-    """The farthest ends of C steps, seen by the dancer who begins: 0 is straight ahead, then towards her left."""
+    """The farthest ends of C steps relative to the dancer at the beginning: direction 0 is ahead, then to the left."""
 
     farthest: Float64
-    """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is that of any step."""
+    """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is for any step."""
 
     @staticmethod
     def of(graph: MotionGraph, candidates: Candidates) -> "Ways":
@@ -57,11 +54,10 @@ class Ways:
     def limit(
         self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64, least: Float64 | float = 0.0
     ) -> Float64:
-        """Of the `way` (A, 2) [m] of each dancer as much as her `step` (A,) can go in one measure and `more` (A,)
-        [m], or as much as `least` (A,) [m].
+        """Shorten each `way` (A, 2) [m] to what `step` (A,) can travel in one measure plus `more` (A,) [m].
 
-        `heading` (A,) [rad] is where she faces at its beginning, `change` (A,) how far she is to turn until its end;
-        a step below 0 is any.
+        At least `least` (A,) [m] remains possible. `heading` (A,) [rad] is the heading at the beginning of the measure,
+        `change` (A,) the wanted change until its end; a step below 0 means any.
         """
         length = np.hypot(*way.T)
         at = (np.arctan2(way[:, 0], way[:, 1]) - heading) * (TABLED_DIRECTIONS / (2.0 * np.pi)) % TABLED_DIRECTIONS
@@ -77,10 +73,10 @@ class Ways:
 
 
 def _along(way: Float64, towards: Float64) -> Float64:
-    """How far the convex hull of nowhere and the ends `way` (n, 2) goes in the directions `towards` (2, d), (d,) [m].
+    """Return the extent of the convex hull of the origin and the ends `way` (n, 2) along `towards` (2, d), (d,) [m].
 
-    Mixtures lie in the hull and, of a step in nine directions, fill it (T131). It is the meet of its half planes, of
-    which NORMALS are taken: by a thousandth too large.
+    Mixtures lie in the hull and fill it for a step in nine directions (T131). It is the intersection of its half
+    planes, of which NORMALS are used; the result is too large by a thousandth at most.
     """
     angle = np.arange(NORMALS) * (2.0 * np.pi / NORMALS)
     normal = np.array([np.sin(angle), np.cos(angle)])
@@ -93,56 +89,56 @@ Bool = npt.NDArray[np.bool_]
 
 DIRECTION_NAMES: Final = (
     "forward",
-    "forward and to her left",
-    "to her left",
-    "back and to her left",
+    "forward and to the left",
+    "to the left",
+    "back and to the left",
     "back",
-    "back and to her right",
-    "to her right",
-    "forward and to her right",
+    "back and to the right",
+    "to the right",
+    "forward and to the right",
 )
-"""Eight directions as the dancer sees them, 45 degrees apart, towards her left."""
+"""Eight directions relative to the dancer, 45 degrees apart, counted towards the left."""
 ARC: Final = np.pi / 4
 TURNED: Final = 33
-"""Angles at which turned measures are sampled, from the largest turn to one side to that to the other."""
+"""Angles at which turned measures are sampled, between the largest turns to both sides."""
 MOST_TURNED: Final = np.pi / 2
-"""A larger turn [rad] in one measure is a spin, not a way of going somewhere."""
+"""A larger turn [rad] in one measure is a spin and does not travel."""
 ENOUGH: Final = 0.3
-"""A direction is missing if it is reached not even this share as far as the farthest one."""
+"""A direction is missing if its reach is less than this share of the farthest direction's..."""
 LEAST: Final = 0.15
-"""... or not even this far [m] (steps that get less far are danced in place)."""
+"""... or less than this [m] (steps with less reach are danced in place)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reach:
-    """Ways of one measure of a step, as the dancer sees them who begins it: x to her left, z ahead [m]."""
+    """Displacements of one measure of a step, relative to the dancer at its beginning: x left, z ahead [m]."""
 
     step: str
     clips: Float64
-    """Ways of the clips themselves, shape (n, 2)."""
+    """Displacements of the clips themselves, shape (n, 2)."""
     mixed: Float64
-    """Ways of their mixtures (T069), shape (m, 2)."""
+    """Displacements of their mixtures (T069), shape (m, 2)."""
     turned: Float64
-    """Ways of all of these with a turn inserted (T070), at TURNED angles each, shape (n + m, TURNED, 2)."""
+    """Displacements of all of these with a turn inserted (T070), at TURNED angles each, shape (n + m, TURNED, 2)."""
     farthest: Float64
-    """How far each of the eight DIRECTIONS is reached, turns included [m], shape (8,)."""
+    """Reach in each of the eight DIRECTIONS, turns included [m], shape (8,)."""
     straight: Float64
     """The same without turns, [m], shape (8,)."""
 
     @property
     def most(self) -> float:
-        """The longest way of one measure without a turn [m]: how fast the step can be led along a path."""
+        """The longest displacement of one measure without a turn [m]: the speed limit of the step along a path."""
         return float(self.straight.max())
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Directions in which there is nothing without a turn, or not much: what to record (T075)."""
+        """Directions with little or no reach without a turn: what to record (T075)."""
         bar = max(LEAST, ENOUGH * float(self.straight.max()))
         return tuple(name for name, way in zip(DIRECTION_NAMES, self.straight, strict=True) if way < bar)
 
 
 def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: float) -> Reach:
-    """What a measure of `seconds` of the step of that index can do. ValueError if the graph has none of it."""
+    """Return the reach of a measure of `seconds` of `step` (an index). ValueError if the graph has none of it."""
     rows = np.flatnonzero(graph.library.node_step[candidates.node] == step).astype(np.int32)
     if not len(rows):
         raise ValueError(f"no measure of step {step} in the graph")
@@ -163,7 +159,7 @@ def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: flo
 
 
 def ways_of(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
-    """Ways (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], as the dancer sees them who begins."""
+    """Return displacements (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], relative to the dancer."""
     node = candidates.node[rows]
     moved = candidates.turns.take(node).displacement(1.0, angle)
     end = moved + turn_vectors(candidates.end[rows], angle)
@@ -171,12 +167,12 @@ def ways_of(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Floa
 
 
 def direction_of(way: Float64) -> str:
-    """The name of the direction of `way` (2,), as the dancer sees it."""
+    """Return the name of the direction of `way` (2,), relative to the dancer."""
     return DIRECTION_NAMES[round(float(np.arctan2(way[0], way[1])) / ARC) % len(DIRECTION_NAMES)]
 
 
 def _by_direction(ways: Float64) -> Float64:
-    """The length of the longest of `ways` (n, 2) in each direction, seen within half an arc, (8,)."""
+    """Return the length of the longest of `ways` (n, 2) within half an arc of each direction, (8,)."""
     heading, length = np.arctan2(ways[:, 0], ways[:, 1]), np.hypot(*ways.T)
     farthest = np.zeros(len(DIRECTION_NAMES))
     for n in range(len(DIRECTION_NAMES)):

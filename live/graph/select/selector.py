@@ -1,4 +1,4 @@
-"""Choosing: what is prepared of a graph so that the next measures of all dancers are chosen in one call (T068-T070)."""
+"""Step selector: tables of a graph from which the next measures of all dancers are chosen in one call (T068-T070)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,49 +15,49 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 ANGLES: Final = 65
-"""Angles of a turn at which the way it adds is tabled, from -π to π; between them it is within 1.5 mm a metre."""
+"""Angles at which a turn's displacement is tabulated, from -π to π; interpolation errs by 1.5 mm a metre at most."""
 TERMS: Final = ("place", "heading", "pose", "wrong step", "other")
-"""What the cost of a candidate is made of."""
+"""The terms of a candidate's cost."""
 PLACE: Final = 3.0
-"""A square metre off the place that no correction reaches costs this ..."""
+"""Cost of a square metre of place error beyond correction ..."""
 CORRECTED: Final = 1.0
-"""... and one that is corrected, since feet and legs have to bear it, this; ..."""
+"""... of a square metre that is corrected, because the legs must compensate it, ..."""
 HEADING: Final = 1.0
-"""... a squared radian that is left of the heading, ..."""
+"""... of a squared radian of remaining heading error, ..."""
 TURN: Final = 0.005
-"""... a squared radian of turning, ..."""
+"""... of a squared radian of turning, ..."""
 POSE: Final = 0.3
-"""... a metre between the poses of a join, ..."""
+"""... of a metre between the poses of a join, ..."""
 WRONG: Final = 40.0
-"""... a measure away from the wanted step: more than any place within a measure's reach, ..."""
+"""... of a measure away from the wanted step: more than any place error within a measure's reach, ..."""
 SIDE: Final = 20.0
-"""... a mirror image where the group wants none: dearer than any place, cheaper than another step, ..."""
+"""... of a mirror image where the group wants none: more than any place, less than another step, ..."""
 MIXED: Final = 0.003
-"""... a mixture: 5 cm of place are not worth blurring a clip, ..."""
+"""... of a mixture, because 5 cm of place do not justify blurring a clip, ..."""
 STRAYS: Final = 0.2
-"""... and the square of how far [m] the hips leave the straight way on theirs: nobody wanders without a reason."""
+"""... and of the squared deviation [m²] of the hips from the straight line, to avoid detours."""
 SWAY_SAMPLES: Final = 17
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choosing:
-    """Tables over N nodes, E edges and K candidates, and what may change between measures."""
+    """Tables over N nodes, E edges and K candidates, and values that may change between measures."""
 
     graph: MotionGraph
     candidates: Candidates
     ways: Ways
-    """How far each step goes in each direction."""
+    """Reach of each step in each direction."""
     edge: Float64
     """x, z, yaw, its cosine and sine, distance of the poses of each edge, shape (E, 6)."""
     clip: Float64
-    """Hips x, z [m] and heading at each candidate's end, cosine and sine, how far the measure's mean heading is
-    ahead of it, shape (K, 6)."""
+    """Hips x, z [m] and heading at each candidate's end, cosine and sine, difference of the measure's mean heading to
+        it, shape (K, 6)."""
     moved: Float64
-    """What a turn adds to each node's way [m], shape (N, ANGLES, 2)."""
+    """Displacement that a turn adds to each node [m], shape (N, ANGLES, 2)."""
     most: Float64
     """Each node's largest turn [rad], cosine and sine, shape (N, 3)."""
     facts: Float64
-    """How far each node can be corrected [m], how far its mixtures end from it, what it costs itself, shape (N, 3)."""
+    """Maximum correction of each node [m], maximum distance of its mixtures' ends, its own cost, shape (N, 3)."""
     weights: Float64
     """Shape (8,)."""
     room: Float64
@@ -65,7 +65,7 @@ class Choosing:
 
     @staticmethod
     def of(graph: MotionGraph) -> "Choosing":
-        """The tables of a graph. Takes a moment: not to be called within a frame."""
+        """Build the tables of a graph. Too slow to be called within a frame."""
         candidates = widening(graph, find_candidates(graph))
         node, transform = candidates.node, graph.edge_transform
         c, s = np.cos(transform[:, 2]), np.sin(transform[:, 2])
@@ -94,7 +94,7 @@ class Choosing:
         )  # fmt: skip
 
     def allow(self, *, seconds: float, turn: float, give: npt.ArrayLike) -> None:
-        """A measure takes `seconds`; dancers may be turned by `turn` [rad] and corrected by `give` (N,) or () [m]."""
+        """Set the measure's `seconds`, the largest turn `turn` [rad], and the correction `give` (N,) or () [m]."""
         angle = np.minimum(min(turn, np.pi), QUICKEST_TURN * seconds / self.graph.node_quickest)
         self.most[:, 0] = angle
         self.most[:, 1], self.most[:, 2] = np.cos(angle), np.sin(angle)
@@ -123,15 +123,15 @@ class Choosing:
 
 
 def with_direction(values: Float64) -> Float64:
-    """Rows (A, 3) of x, z, angle with the cosine and sine of the angle after them, (A, 5)."""
+    """Return rows (A, 3) of x, z, angle with cosine and sine of the angle appended, (A, 5)."""
     return np.ascontiguousarray(np.column_stack([values, np.cos(values[:, 2]), np.sin(values[:, 2])]))
 
 
 def _apart(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
-    """How far from a node's own clip its mixtures end at most, whatever the heading, (N,) [m].
+    """Return the largest distance of the ends of a node's mixtures from its own clip's end, for any heading, (N,) [m].
 
-    A mixture ends where the clip would but for the difference of the two ends, and what a turn differs by because
-    headings do: an end moves by at most so much for each radian.
+    A mixture's end differs by the difference of the two ends, and by the difference of the turns that the headings
+    need: a turn moves an end by a bounded distance per radian.
     """
     node, own = candidates.node, candidates.first[:-1]
     step = angles[1] - angles[0]
@@ -146,7 +146,7 @@ def _apart(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
 
 
 def _strays(graph: MotionGraph) -> Float64:
-    """How far the hips of each node leave the straight line from its beginning to its end at most, (N,) [m]."""
+    """Return the largest deviation of the hips of each node from the line between its start and end, (N,) [m]."""
     library = graph.library
     t = np.linspace(0.0, 1.0, SWAY_SAMPLES)
     sample = library.node_first[:, None] + t * (library.node_last - library.node_first)[:, None]

@@ -1,4 +1,4 @@
-"""The choice of the next measure (T068-T070): every candidate where it ends, turned and corrected, for many dancers."""
+"""Kernels that choose the next measures of many dancers from all candidates, turned and corrected (T068-T070)."""
 
 import math
 
@@ -19,16 +19,16 @@ POSE = 4
 WRONG = 5
 SIDE = 6
 MIXED = 7
-"""Places in the array of weights."""
+"""Indices in the array of weights."""
 LIKELY = 10.0
-"""Edges that cost this much more than the cheapest, wherever they lead, are looked at last."""
+"""Edges that cost this much more than the cheapest, wherever they lead, are examined last."""
 FAR = 1e9
-"""How far off what was not looked at is taken to be [m]."""
+"""Distance assumed for candidates that were not examined [m]."""
 
 
 @part
 def laid_down(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, float, float, float, float]:
-    """x, z, yaw, its cosine and sine of a clip that joins the axes at[n] (5,) along edge[e] (6,) (K001)."""
+    """Return x, z, yaw, its cosine and sine of a clip that joins the axes at[n] (5,) along edge[e] (6,) (K001)."""
     c, s = at[n, 3], at[n, 4]
     x, z = at[n, 0] + edge[e, 0] * c + edge[e, 1] * s, at[n, 1] + edge[e, 1] * c - edge[e, 0] * s
     return x, z, at[n, 2] + edge[e, 2], c * edge[e, 3] - s * edge[e, 4], s * edge[e, 3] + c * edge[e, 4]
@@ -46,9 +46,9 @@ def end_of(
     moved: Float64,
     most: Float64,
 ) -> tuple[float, float, float, float]:
-    """Where dancer n ends with candidate k of node v, whose clip is laid down so: hips x, z, turn, heading left.
+    """Return the end of dancer n with candidate k of node v, placed at `laid`: hips x, z, turn, heading error.
 
-    Arrays as in `choose_measures`; the turn that is wanted is inserted on the carrying foot as far as it is allowed.
+    Arrays as in `choose_measures`; the wanted turn is inserted on the supporting foot as far as allowed.
     """
     x, z, yaw, c, s = laid
     want = angle_wrap(wish[n, 2] - yaw - clip[k, 2] - manner[n, 1] * clip[k, 5])
@@ -75,7 +75,7 @@ def end_of(
 
 @part
 def place_cost(distance: float, give: float, weights: Float64) -> float:
-    """What it costs to end `distance` [m] off, `give` [m] of which can be corrected: little within it, more beyond."""
+    """Return the cost of ending `distance` [m] off, of which `give` [m] can be corrected at a lower cost."""
     within = min(distance, give)
     cost: float = weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
     return cost
@@ -83,21 +83,21 @@ def place_cost(distance: float, give: float, weights: Float64) -> float:
 
 @part
 def off_place(end: tuple[float, float, float, float], wish: Float64, n: int) -> float:
-    """How far that end is from where dancer n should be [m]."""
+    """Return the distance of that end from dancer n's target [m]."""
     x, z = end[0] - wish[n, 0], end[1] - wish[n, 1]
     return math.sqrt(x * x + z * z)
 
 
 @part
 def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
-    """What is left of the heading, and what is turned, as a cost."""
+    """Return the cost of the remaining heading error and of the turn."""
     cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
     return cost
 
 
 @part
 def hold_best(cost: float, e: int, k: int, n: int, edge: Int32, candidate: Int32, held: Float64) -> None:
-    """Keep candidate k of edge e among dancer n's first two if it belongs there; the last row of `held`: their costs.
+    """Insert candidate k of edge e into dancer n's best two if it is good enough; the last row of `held`: their costs.
 
     The runner-up is another measure than the best, not another mixture of it.
     """
@@ -118,7 +118,7 @@ def weigh_edges(
     n: int, low: int, high: int, row: int, side: int, edge_target: Int32, edge: Float64, ahead: Float64,
     node_side: Int32, facts: Float64, weights: Float64, room: Float64,
 ) -> float:  # fmt: skip
-    """What the edges from `low` to `high` cost wherever they lead, into `room`; the least of it."""
+    """Write the cost of edges `low` to `high`, wherever they lead, to `room`; return the least."""
     lowest = 1e300
     for e in range(low, high):
         v = edge_target[e]
@@ -162,21 +162,21 @@ def choose_measures(
     out_terms: Float64,
     out_end: Float64,
 ) -> None:
-    """For dancers `begin` to `stop` of A the edge and candidate that end best, and the best of another measure.
+    """Choose for dancers `begin` to `stop` of A the edge and candidate with the best end, and the best other measure.
 
-    node (A,) where each dancer is; placement (A, 5) x, z, yaw, its cosine and sine: the axes in which the next clip
-    joins; wish (A, 5) x, z [m] and heading [rad] at its end, cosine and sine; ahead (R, N) wrong measures if a node is
-    danced next, row (A,) which of its rows counts; side (A,) and node_side (N,) -1 as made, 1 mirrored, 0 no matter;
-    manner (A, 3): 0 where the body is turned alone, which share of the mean heading counts (T122), how much is used of
-    what a measure can be corrected by. Edges as CSR with edge (E, 6): x, z, yaw, cosine, sine, distance of the poses;
+    node (A,): current node; placement (A, 5) x, z, yaw, its cosine and sine: the axes in which the next clip joins;
+    wish (A, 5) wanted x, z [m] and heading [rad] at its end, cosine and sine; ahead (R, N) wrong measures if a node is
+    danced next, row (A,) the row of it to use; side (A,) and node_side (N,) -1 original, 1 mirrored, 0 any; manner (A,
+    3): 0 if the body is turned separately, the share of the mean heading that counts (T122), the share of a measure's
+    possible correction that is used. Edges as CSR with edge (E, 6): x, z, yaw, cosine, sine, distance of the poses;
     candidates of node v from first[v] to first[v + 1], its own clip first, with clip (K, 6): hips at its end in its own
-    axes x, z, heading there, its cosine and sine, how far the mean heading is ahead of that; moved (N, T, 2): what a
-    turn on the carrying foot adds to the way [m], at T angles from -π to π; most (N, 3): the largest turn, its cosine
-    and sine; facts (N, 3): how far a measure can be corrected [m], how far its mixtures end from it at most [m], what
-    it costs by itself. room (R', 2) is scratch for the edges of one node, its last row for two costs.
+    axes x, z, heading there, its cosine and sine, difference of the mean heading to that; moved (N, T, 2): displacement
+    [m] added by a turn on the supporting foot, at T angles from -π to π; most (N, 3): the largest turn, its cosine and
+    sine; facts (N, 3): maximum correction of a measure [m], largest distance of its mixtures' ends from its own [m],
+    its own cost. room (R', 2) is scratch for the edges of one node, its last row for two costs.
 
-    Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), what place,
-    heading, pose, wrong step and all else cost; out_end (A, 4): hips x, z, turn, and what is left of the heading.
+    Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), cost of place,
+    heading, pose, wrong step and all else; out_end (A, 4): hips x, z, turn, and remaining heading error.
     """
     last = room.shape[0] - 1
     for n in range(begin, stop):
@@ -187,7 +187,7 @@ def choose_measures(
         lowest = weigh_edges(
             n, low, high, row[n], side[n], edge_target, edge, ahead, node_side, facts, weights, room
         )  # fmt: skip
-        # the clips alone, the likely ones first: what they cost bounds which others are worth a look
+        # the unmixed clips, likely ones first: their costs bound which others have to be examined
         for sweep in range(2):
             for e in range(low, high):
                 base = room[e - low, 0]
@@ -210,7 +210,7 @@ def choose_measures(
                 end = end_of(laid, n, v, k, wish, manner, clip, moved, most)
                 cost = base + place_cost(off_place(end, wish, n), give, weights) + turn_cost(end, weights)
                 hold_best(cost, e, k, n, out_edge, out_candidate, room)
-        for rank in range(1, -1, -1):  # of the best, which comes last, the end is kept
+        for rank in range(1, -1, -1):  # the best comes last, so its end is kept
             e, k = out_edge[n, rank], out_candidate[n, rank]
             out_terms[n, rank] = 0.0
             if e >= 0:

@@ -1,1 +1,1 @@
-"""Cleanup finds and mends faults of motion capture. It may import what `motion` may."""
+"""Detection and repair of motion capture faults. May import what `motion` may."""

@@ -1,13 +1,7 @@
-"""Tracking faults in a recording: missing or frozen stretches, swapped limbs, pops, jumps, noise (T161).
+"""Detection of tracking faults in a recording (T161): missing or frozen stretches, swapped limbs, pops, jumps, noise.
 
-Three faults are to be expected of optical capture: markers that are hidden, paths that are exchanged, and noise. In
-joints they show as frames that no body can dance: see `live.motion.cleanup.glitch_detection`.
-
-Swapped limbs: from one frame to the next left becomes right, and later right becomes left again (T161).
-
-Shocks: frames at which a joint starts or stops faster than bodies can; what tracking faults look like (T161).
-
-Frozen joints: what capture programs write while markers are hidden is often the last pose seen (T161).
+Optical capture has three causes of faults: hidden markers, exchanged paths, noise. In joint data they appear as
+outliers in acceleration (shocks), as left and right limbs that swap, or as joints frozen at the last pose.
 """
 
 from dataclasses import dataclass
@@ -21,15 +15,15 @@ from live.motion.formats.source_motion import Float64, Int32
 from live.motion.retarget.body_tracks import BodyTracks
 
 PAIRS: Final = (("LowerArm", "Hand"), ("LowerLeg", "Foot"))
-"""Joints whose paths are exchanged together: arms, legs."""
+"""Joints that are swapped together: arms, legs."""
 CROSSED: Final = 0.35
-"""Crossed over, the limbs have at most this share of the way that they have straight."""
+"""At a swap the exchanged limbs move at most this share of the unexchanged distance."""
 
 
 def find_swaps(tracks: BodyTracks, kick_limit: float, start: int = 0) -> list[tuple[int, int, list[int], float]]:
-    """(first frame, last frame, columns, distance of the exchanged joints [m]) of every stretch that is swapped.
+    """Return (first frame, last frame, columns, distance of the swapped joints [m]) of every swapped stretch.
 
-    Where limbs cross over an odd number of times, the last stretch is taken to go on to the end.
+    If limbs are exchanged an odd number of times, the last stretch extends to the end.
     """
     found: list[tuple[int, int, list[int], float]] = []
     for pair in PAIRS:
@@ -49,7 +43,7 @@ def find_swaps(tracks: BodyTracks, kick_limit: float, start: int = 0) -> list[tu
 
 
 def _way(left: Float64, right: Float64, left_after: Float64, right_after: Float64) -> Float64:
-    """Way from each frame to the next over both sides and all joints [m], shape (T - 1,)."""
+    """Return the distance from each frame to the next, summed over both sides and all joints [m], shape (T - 1,)."""
     steps = np.linalg.norm(left_after[1:] - left[:-1], axis=-1) + np.linalg.norm(right_after[1:] - right[:-1], axis=-1)
     return np.asarray(steps.sum(axis=-1))
 
@@ -57,38 +51,38 @@ def _way(left: Float64, right: Float64, left_after: Float64, right_after: Float6
 Float = npt.NDArray[np.floating]
 
 ACCELERATION: Final = 350.0
-"""[m/s²]: of 50,000 frames of salsa at 60 Hz without fault the fastest has 280, the faults have 440 to 2,300."""
+"""[m/s²]: in 50,000 faultless frames of salsa at 60 Hz the maximum is 280; faults have 440 to 2,300."""
 LEAST_KICK: Final = 0.06
-"""Twice as far as a joint must be off its path [m] to count, however short a frame is."""
+"""Minimum kick (twice the deviation from the joint's path) that counts [m], however short a frame is."""
 SLOW_KICK: Final = 0.25
-"""The same where frames are long, so that `ACCELERATION` would forgive too much."""
+"""The same for low frame rates, where `ACCELERATION` would be too lenient."""
 SLOW_RATIO: Final = 3.0
-"""And so many times the kick that 1 of 200 frames of the recording exceeds."""
+"""Minimum ratio to the kick that 1 of 200 frames of the recording exceeds, at low frame rates."""
 TWIST: Final = np.radians(40.0)
 TWIST_RATE: Final = np.radians(2000.0)
-"""A joint's turn per frame may change by this [rad, rad/s]; wrists flick with 1,700 degrees per second."""
+"""Maximum change of a joint's rotation per frame [rad, rad/s]; wrists reach 1,700 degrees per second."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shocks:
-    """How hard each frame of a recording kicks each joint; first and last frame cannot be judged and are 0."""
+    """Change of velocity of each joint at each frame; 0 for the first and the last frame, which cannot be judged."""
 
     kick: Float64
-    """Change of the way per frame, |p(t-1) - 2 p(t) + p(t+1)| [m], shape (T, B)."""
+    """Second difference of the position, |p(t-1) - 2 p(t) + p(t+1)| [m], shape (T, B)."""
     twist: Float64
-    """Change of the turn per frame relative to the parent [rad], shape (T, B)."""
+    """Second difference of the rotation relative to the parent [rad], shape (T, B)."""
     kick_limit: float
-    """What is believed of a body at this frame rate [m]."""
+    """Largest plausible kick at this frame rate [m]."""
     twist_limit: float
 
     @property
     def severity(self) -> Float64:
-        """The larger of kick and twist over its limit: from 1 on it is a fault, shape (T, B)."""
+        """The larger of kick and twist relative to its limit; 1 or more is a fault, shape (T, B)."""
         return np.maximum(self.kick / self.kick_limit, self.twist / self.twist_limit)
 
 
 def find_shocks(tracks: BodyTracks, start: int = 0) -> Shocks:
-    """Kicks and twists of every frame after `start` (frames before it are 0, as if nothing were there)."""
+    """Return kicks and twists of every frame after `start`; earlier frames are 0."""
     kick = np.zeros(tracks.positions.shape[:2])
     twist = np.zeros_like(kick)
     if tracks.frame_count - start > 2:
@@ -102,28 +96,31 @@ def find_shocks(tracks: BodyTracks, start: int = 0) -> Shocks:
 
 
 def turned_by(rotation: Float) -> Float64:
-    """Angle of unit quaternions [rad], 0 to pi, shape (...)."""
+    """Return the angle of unit quaternions [rad], 0 to pi, shape (...)."""
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(rotation[..., 1:], axis=-1), np.abs(rotation[..., 0])))
 
 
 Bool = npt.NDArray[np.bool_]
 
 STILL: Final = 1e-6
-"""Turns [rad] and ways [m] below this per frame are none: even standing still is alive."""
+"""Changes below this per frame [rad, m] count as none: even a standing body moves more."""
 SHORTEST: Final = 0.1
-"""Held shorter than this [s] may be a file written at a higher rate than it was captured at."""
+"""Minimum duration of a held pose [s]: shorter ones occur in files written at a higher rate than captured."""
 DEAD_STOP: Final = np.radians(40.0)
-"""A joint that turns faster than this [rad/s] just before or after was stopped by the recording, not by the body."""
+"""A joint that turns faster than this [rad/s] just before or after was frozen by the recording."""
 ALIVE: Final = 0.5
 """Joints that move in fewer than this share of all frames are not tracked at all."""
 FROZEN_TOGETHER: Final = 2
-"""One joint alone is a knee or elbow that the capture program keeps from bending the wrong way."""
+"""Minimum number of joints: a single one is a knee or elbow at its limit in the capture program."""
 MOVING: Final = 0.05
-"""The rest of the body moves faster than this [m/s] meanwhile, else she stands in a pose."""
+"""The rest of the body must move faster than this [m/s] meanwhile, else the dancer holds a pose."""
 
 
 def find_frozen(tracks: BodyTracks, start: int = 0) -> list[tuple[int, int, list[int]]]:
-    """(first, last frame of the held pose, columns); the whole body where everything stops and goes on with a jolt."""
+    """Return (first, last frame of the held pose, columns) of frozen joints.
+
+    All joints are returned where the whole body stops and resumes abruptly.
+    """
     if tracks.frame_count - start < 4:
         return []
     turn = turned_by(quaternion.mul(tracks.rotation[start + 1 :], quaternion.inverse(tracks.rotation[start:-1])))
@@ -150,7 +147,7 @@ def find_frozen(tracks: BodyTracks, start: int = 0) -> list[tuple[int, int, list
 
 
 def _runs(still: Bool, shortest: int) -> list[tuple[int, int]]:
-    """(first, last) frame of stretches of at least `shortest` frames that do not move."""
+    """Return (first, last) frame of still stretches of at least `shortest` frames."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a + 1 >= shortest]
 
@@ -158,24 +155,24 @@ def _runs(still: Bool, shortest: int) -> list[tuple[int, int]]:
 GlitchKind = Literal["missing", "frozen", "swapped", "pop", "jump", "noise"]
 
 FEWEST: Final = 8
-"""Frames below which nothing is told: two or three poses are no recording."""
+"""Shorter recordings [frames] are not checked."""
 SHOCKS_TOGETHER: Final = 0.06
-"""Shocks of one part of the body this close [s] are one fault."""
+"""Shocks of one body part within this time [s] belong to one fault."""
 LONGEST_POP: Final = 0.2
-"""Bursts longer than this [s] are noise."""
+"""Longer bursts [s] are noise."""
 EDGE: Final = 0.5
-"""Beside a fault, shocks of this severity belong to it."""
+"""Shocks of this severity adjacent to a fault belong to it."""
 SHARE: Final = 0.3
-"""A joint whose turn explains this share of a kick is at fault."""
+"""A joint whose rotation explains this share of a kick is at fault."""
 ONE_FRAME: Final = 1.6
-"""Of two shocks in a row, one that is so much harder than the other is a frame that is off."""
+"""Of two consecutive shocks, one larger by this ratio marks a single bad frame."""
 REST: Final = 1e-4
-"""A body whose joints are all turned by less than this [rad] was not tracked."""
+"""A body whose joints are all rotated by less than this [rad] was not tracked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Glitch:
-    """One fault. Frames count from 0 and both ends belong to it; a jump has the last before and the first after."""
+    """One fault. Frames count from 0, both ends included; a jump has the last frame before and the first after it."""
 
     kind: GlitchKind
     """"missing": all joints at rest; "frozen": held while others move; "swapped": left is right; "pop": away and back
@@ -185,20 +182,20 @@ class Glitch:
     joints: tuple[str, ...]
     """Joints that move wrongly, as named in the file."""
     at_fault: tuple[str, ...]
-    """Joints whose own rotation is the cause (the root's: also its place); what a repair replaces."""
+    """Joints whose own rotation is the cause (for the root also its position); a repair replaces these."""
     size_m: float
-    """How far the worst of them is off [m], at least."""
+    """Lower bound of the largest deviation [m]."""
 
     @property
     def frames(self) -> range:
-        """All its frames."""
+        """All frames of the fault."""
         return range(self.first_frame, self.last_frame + 1)
 
 
 def find_glitches(tracks: BodyTracks, parents: Int32, start: int = 0) -> list[Glitch]:
-    """All faults from frame `start` on (after a T-pose and the run-in from it), in order of time.
+    """Return all faults from frame `start` on (after a T-pose and its run-in), in order of time.
 
-    `parents` is the file's (J,). Below what bodies can do nothing is reported: a small fault is taken for dancing.
+    `parents` (J,) is the file's. Nothing within human limits is reported: a small fault passes as dancing.
     """
     if tracks.frame_count - start < FEWEST:
         return []
@@ -220,7 +217,7 @@ def find_glitches(tracks: BodyTracks, parents: Int32, start: int = 0) -> list[Gl
 
 
 def _parts(tracks: BodyTracks, parents: Int32) -> list[list[int]]:
-    """Columns of the limbs and of the trunk with the head: shocks of different parts are different faults."""
+    """Return columns of the limbs and of the trunk with the head: shocks of different parts are different faults."""
     limbs: list[list[int]] = []
     for top in ("leftUpperLeg", "rightUpperLeg", "leftUpperArm", "rightUpperArm"):
         above = tracks.body.joint(top)
@@ -230,7 +227,7 @@ def _parts(tracks: BodyTracks, parents: Int32) -> list[list[int]]:
 
 
 def _path(parents: Int32, joint: int) -> list[int]:
-    """The joint and all above it."""
+    """Return the joint and all its ancestors."""
     path = [joint]
     while parents[path[-1]] >= 0:
         path.append(int(parents[path[-1]]))
@@ -238,7 +235,7 @@ def _path(parents: Int32, joint: int) -> list[int]:
 
 
 def _clusters(shocks: Shocks, tracks: BodyTracks, parents: Int32) -> list[tuple[int, int, list[int]]]:
-    """(first shock, last shock, columns) of every fault; parts of the body with a common cause have one fault."""
+    """Return (first shock, last shock, columns) of every fault; body parts with a common cause share one fault."""
     severity = shocks.severity
     gap = max(3, round(SHOCKS_TOGETHER * tracks.rate))
     found: list[tuple[int, int, list[int]]] = []
@@ -273,9 +270,9 @@ def _glitch(tracks: BodyTracks, shocks: Shocks, parents: Int32, first: int, last
 
 
 def _kind(tracks: BodyTracks, shocks: Shocks, first: int, last: int, columns: list[int]) -> tuple[GlitchKind, int, int]:
-    """What the shocks from `first` to `last` mean, and the frames to be named."""
+    """Classify the shocks from `first` to `last`; returns the kind and the frames to report."""
     if last - first < 2:
-        # away and back in one frame kicks 1 : 2 : 1, a jump 1 : 1
+        # one bad frame gives kicks 1 : 2 : 1, a jump 1 : 1
         kicks = shocks.severity[[first, last]][:, columns].max(axis=1)
         if last == first or max(kicks) > ONE_FRAME * min(kicks):
             frame = first if kicks[0] >= kicks[1] else last
@@ -296,7 +293,8 @@ def _at_rest(tracks: BodyTracks, first: int, last: int) -> bool:
 
 
 def _at_fault(tracks: BodyTracks, shocks: Shocks, parents: Int32, window: slice, columns: list[int]) -> tuple[str, ...]:
-    """Joints whose turns explain the kicks of `columns`: turn times lever arm, compared along the way to the root."""
+    """Return joints whose rotations explain the kicks of `columns`: rotation times lever arm, compared along the
+    ancestors."""
     at = {int(joint): column for column, joint in enumerate(tracks.joints)}
     kicks, twists = shocks.kick[window].max(axis=0), shocks.twist[window].max(axis=0)
     frame = window.start + int(np.argmax(shocks.kick[window][:, columns].max(axis=1)))
@@ -318,7 +316,7 @@ def _at_fault(tracks: BodyTracks, shocks: Shocks, parents: Int32, window: slice,
 
 
 def _missed(tracks: BodyTracks, first: int, last: int, columns: list[int]) -> float:
-    """The way [m] that the rest of the body went meanwhile, at most by one joint."""
+    """Return the largest distance [m] that a joint of the rest of the body moved meanwhile."""
     others = [c for c in range(len(tracks.joints)) if c not in columns] or columns
     way = tracks.positions[min(last + 1, tracks.frame_count - 1), others] - tracks.positions[first, others]
     return float(np.linalg.norm(way, axis=-1).max())

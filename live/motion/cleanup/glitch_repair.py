@@ -1,4 +1,4 @@
-"""Repair of tracking faults (T161): the frames at fault are replaced by a smooth way from the good ones around them."""
+"""Repair of tracking faults (T161): faulty frames are replaced by a smooth bridge between the good ones around them."""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -14,45 +14,45 @@ from live.motion.retarget.body_tracks import body_tracks
 Float = npt.NDArray[np.floating]
 
 LONGEST_GAP: Final = 0.35
-"""Longer gaps [s] are not invented: the recording has to be cut there or solved again."""
+"""Longer gaps [s] are not bridged: cut the recording there or solve it again."""
 SMOOTH: Final = 0.7
-"""A repair is good when nothing in it is above this share of what counts as a shock."""
+"""A repair is accepted if it stays below this share of the shock limit."""
 WIDEST_MARGIN: Final = 0.12
-"""Good frames given up on either side of a fault to get there, at most [s]."""
+"""Maximum of good frames on either side that a bridge may replace [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """What was done about one fault."""
+    """Result of the repair of one fault."""
 
     glitch: Glitch
     done: bool
-    """False where the recording was left as it is."""
+    """False if the recording was left unchanged."""
     first_frame: int
     last_frame: int
-    """Frames that were replaced (if `done`)."""
+    """Range of the replaced frames (if `done`)."""
     joints: tuple[str, ...]
-    """Joints that were replaced."""
+    """Replaced joints."""
     note: str
-    """The same in one line for people."""
+    """Description in one line."""
 
 
 def repair(
     motion: SourceMotion, glitches: list[Glitch], *, fps: float | None = None
 ) -> tuple[SourceMotion, list[Repair]]:
-    """The motion with its faults bridged, and what was changed; all other frames and joints stay bit for bit.
+    """Return the motion with its faults bridged, and the changes; all other frames and joints stay bit-identical.
 
-    Rotations and places go from the last good frame to the first good one on cubics that keep the speeds at both ends
-    (Hermite; rotations in the tangent space, so that they pass through SLERP's great circle where speeds allow). If
-    the root is at fault the whole body is bridged, else the joints at fault and all below them. Gaps of more than
-    `LONGEST_GAP` and faults that cannot be bridged smoothly stay as they are, with a note that says so.
+    Rotations and positions are bridged from the last good frame to the first good one by Hermite cubics that keep the
+    velocities at both ends (rotations in the tangent space, so that they follow SLERP's great circle if the velocities
+    allow). If the root is at fault the whole body is bridged, else the joints at fault and their descendants. Gaps
+    longer than `LONGEST_GAP` and faults without a smooth bridge stay unchanged, with a note.
     """
     rate = fps or motion.header_fps
     tracks = body_tracks(motion, fps=rate)
     limit = SMOOTH * find_shocks(tracks).kick_limit
     done: list[Repair] = []
     for glitch in glitches:
-        whole = tracks.names[0] in glitch.at_fault  # what carries the hips in some files lies above them
+        whole = tracks.names[0] in glitch.at_fault  # in some files the root is an ancestor of the hips
         joints = list(range(motion.joint_count)) if whole else _below(motion, glitch)
         motion, report = _bridged(motion, glitch, joints, rate, limit)
         done.append(report)
@@ -66,22 +66,22 @@ def _bridged(
     first, last = glitch.first_frame, glitch.last_frame
     inner = (first + 1, last - 1) if glitch.kind == "jump" else (first, last)
     if (inner[1] - inner[0] + 1) / rate > LONGEST_GAP:
-        return motion, _left(glitch, names, f"{(last - first + 1) / rate:.2f} s are too long to invent")
+        return motion, _left(glitch, names, f"{(last - first + 1) / rate:.2f} s is too long to bridge")
     for margin in range(1, 2 + round(WIDEST_MARGIN * rate)):
         a, b = inner[0] - 1 - margin, inner[1] + 1 + margin
         if a < 1 or b > motion.frame_count - 2:
-            return motion, _left(glitch, names, "too near to an end of the recording: leave those frames out")
+            return motion, _left(glitch, names, "too close to an end of the recording: drop those frames")
         bridged = _bridge(motion, joints, a, b)
         seen = body_tracks(_cut(bridged, a - 1, b + 2), fps=rate)
         kick = np.linalg.norm(np.diff(seen.positions, 2, axis=0), axis=-1)
         if kick.max() <= limit:
             note = f"{glitch.kind}: frames {a + 1} to {b - 1} of {_said(names, motion)} bridged"
             return bridged, Repair(glitch, True, a + 1, b - 1, names, note)
-    return motion, _left(glitch, names, "no smooth way across")
+    return motion, _left(glitch, names, "no smooth bridge found")
 
 
 def _left(glitch: Glitch, joints: tuple[str, ...], why: str) -> Repair:
-    note = f"{glitch.kind}: frames {glitch.first_frame} to {glitch.last_frame} left as they are: {why}"
+    note = f"{glitch.kind}: frames {glitch.first_frame} to {glitch.last_frame} left unchanged: {why}"
     return Repair(glitch, False, glitch.first_frame, glitch.last_frame, joints, note)
 
 
@@ -92,7 +92,7 @@ def _said(names: tuple[str, ...], motion: SourceMotion) -> str:
 
 
 def _below(motion: SourceMotion, glitch: Glitch) -> list[int]:
-    """The joints at fault and all that hang on them, ascending."""
+    """Return the joints at fault and their descendants, ascending."""
     taken = np.zeros(motion.joint_count, np.bool_)
     for joint, parent in enumerate(motion.parents):
         taken[joint] = motion.names[joint] in glitch.at_fault or (parent >= 0 and taken[parent])
@@ -104,7 +104,7 @@ def _cut(motion: SourceMotion, start: int, stop: int) -> SourceMotion:
 
 
 def _bridge(motion: SourceMotion, joints: list[int], a: int, b: int) -> SourceMotion:
-    """Frames a + 1 to b - 1 replaced by a way from frame a to frame b that keeps the speeds there."""
+    """Replace frames a + 1 to b - 1 by a bridge from frame a to frame b that keeps the velocities there."""
     steps = b - a
     s = (np.arange(1, steps) / steps)[:, None, None]
     translation, rotation = motion.translation.copy(), motion.rotation.copy()
@@ -126,7 +126,8 @@ def _hermite(s: Float, way: Float, start: Float, end: Float) -> Float64:
 
 
 def _tangent(vector: Float, spin: Float) -> Float:
-    """Speed of the rotation vector at which exp(vector) turns with `spin` in its own axes (inverse right Jacobian)."""
+    """Velocity of the rotation vector at which exp(vector) rotates with `spin` in its own axes (inverse right
+    Jacobian)."""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     safe = np.maximum(angle, 1e-4)
     factor = 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.maximum(np.sin(safe), 1e-4))

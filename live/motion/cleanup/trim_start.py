@@ -1,4 +1,4 @@
-"""How a recording begins: some converters put a T-pose before the first frame, and some smooth the way out of it."""
+"""Start of a recording: detection of a T-pose added by a converter, and of a smoothed run-in from it."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -13,31 +13,31 @@ LEVEL: Final = 0.35
 OPPOSITE: Final = -0.85
 """Cosine of the smallest angle between its arms."""
 LEAP: Final = 0.2
-"""An added T-pose is at least this far [m] from the first recorded pose."""
+"""Minimum distance of an added T-pose from the first recorded pose [m]."""
 USUAL: Final = 2.0
-"""A run-in is faster than the fastest percent of the dance by this factor ..."""
+"""A run-in is faster than the 99th percentile of the dance by this factor ..."""
 FAST: Final = 8.0
 """... and than this [m/s]."""
 FEWEST: Final = 8
-"""Frames below which nothing is told: two or three poses are no recording."""
+"""Shorter recordings [frames] are not checked."""
 LONGEST: Final = 0.5
-"""Run-ins longer than this [s] are dancing."""
+"""Longer run-ins [s] count as dancing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Beginning:
-    """What stands before the recorded motion."""
+    """Frames before the recorded motion."""
 
     t_pose_first: bool
-    """The first frame is a T-pose that was added."""
+    """The first frame is an added T-pose."""
     drop_frames: int
-    """Frames to leave out so that the motion begins with what was recorded (0 if nothing was added)."""
+    """Leading frames to drop (0 if nothing was added)."""
 
 
 def find_beginning(tracks: BodyTracks) -> Beginning:
-    """Whether the first frame is an added T-pose, and where the run-in from it ends.
+    """Find an added T-pose in the first frame and the end of the run-in from it.
 
-    A run-in slows down from frame to frame until the recorded pose is reached: it ends where the body is slowest.
+    A run-in slows down from frame to frame until the recorded pose is reached; it ends where the body is slowest.
     """
     if tracks.frame_count < FEWEST or not _is_t_pose(tracks):
         return Beginning(False, 0)

@@ -1,1 +1,1 @@
-"""Retargeting of foreign skeletons onto ours. It may import what `motion` may."""
+"""Retargeting of recorded skeletons to the engine's. May import what `motion` may."""

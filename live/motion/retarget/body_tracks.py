@@ -1,7 +1,5 @@
-"""BodyTracks: where the body of a recording is at each frame, in metres, Y up, whatever the file's units and axes.
-
-A recorded body as points and rotations in Y-up axes, with the tips of its hands and feet.
-"""
+"""A recorded body as joint positions and rotations per frame, Y up, in metres or file units, with hand and foot
+tips."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -28,33 +26,33 @@ Int = npt.NDArray[np.int64]
 
 BODY_SIDES: Final = ("left", "right")
 PALM: Final = 0.5
-"""Part of the way from the wrist to the hand's tip where palms meet."""
+"""Position of the palm as a share of the distance from the wrist to the hand's tip."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyTracks:
-    """B joints of the body (fingers, eyes and helpers are left out) and the ends of its limbs over T frames."""
+    """B joints of the body (without fingers, eyes and helpers) and the ends of its limbs over T frames."""
 
     body: SourceBody
     names: tuple[str, ...]
     """Names of the B joints in the file."""
     joints: Int
-    """Which joints of the file they are, ascending, shape (B,)."""
+    """Their indices in the file, ascending, shape (B,)."""
     positions: Float64
-    """In the world [m], Y up, shape (T, B, 3)."""
+    """World positions [m], Y up, shape (T, B, 3)."""
     rotation: Float64
-    """Relative to the parent, as in the file, shape (T, B, 4)."""
+    """Rotations relative to the parent, as in the file, shape (T, B, 4)."""
     palms: Float64
-    """Middle of the left and the right hand [m], shape (T, 2, 3)."""
+    """Palm centres, left and right [m], shape (T, 2, 3)."""
     ankles: Float64
-    """Left and right [m], shape (T, 2, 3)."""
+    """Ankles, left and right [m], shape (T, 2, 3)."""
     toes: Float64
-    """Left and right, the ankle where the file has none [m], shape (T, 2, 3)."""
+    """Toes, left and right [m], the ankle if the file has none, shape (T, 2, 3)."""
     rate: float
-    """Frames per second, as used."""
+    """Frames per second in use."""
     unit_m: float
-    """Metres per file unit, as used."""
+    """Metres per file unit in use."""
 
     @property
     def frame_count(self) -> int:
@@ -62,7 +60,7 @@ class BodyTracks:
         return int(self.positions.shape[0])
 
     def column(self, name: str) -> int | None:
-        """Place of one of the engine's joints among the B, or None."""
+        """Return the column (0 to B - 1) of one of the engine's joints, or None."""
         joint = self.body.joints[name]
         return None if joint is None else int(np.searchsorted(self.joints, joint))
 
@@ -70,18 +68,18 @@ class BodyTracks:
 def body_tracks(
     motion: SourceMotion, *, fps: float | None = None, up: UpAxis | None = None, unit_m: float | None = None
 ) -> BodyTracks:
-    """The body's tracks; what is not given (true rate, axis, unit) is as the file says it, or found.
+    """Return the body's tracks; rate, axis and unit default to the file's values or are detected.
 
-    Where no unit makes a believable person, the body is taken for one with the engine's legs. Raises MotionFileError
-    if the skeleton is no body.
+    If no unit gives a plausible person, the body is scaled to the engine's leg length. Raises MotionFileError if the
+    skeleton is not a body.
     """
     body = find_body(motion)
     if body.missing:
-        raise MotionFileError(motion.file, None, f"no joints found for {', '.join(body.missing)}", "a body expected")
+        raise MotionFileError(motion.file, None, f"no joints found for {', '.join(body.missing)}", "a full body expected")
     world, axis = standing_pose(motion, body, up)
     leg = leg_length(body, world.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
-        raise MotionFileError(motion.file, None, "the legs have no length", "a body expected")
+        raise MotionFileError(motion.file, None, "the legs have no length", "a full body expected")
     unit = unit_m or _believable(motion.unit_m, leg) or find_unit(leg) or ENGINE_LEG / leg
     ends = end_positions(motion, world)
 
@@ -114,13 +112,13 @@ def body_tracks(
 
 
 def _believable(unit: float | None, leg: float) -> float | None:
-    """The unit that the format fixes, unless it makes a giant or a dwarf: files in centimetres say metres, too."""
+    """Return the unit that the format fixes if the body height is plausible: some files in centimetres claim metres."""
     low, high = BODY_HEIGHT_RANGE
     return unit if unit is not None and low <= body_height(leg) * unit <= high else None
 
 
 def _hand_tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
-    """Mean of what hangs on the hand without the thumb, (T, 3); the hand (or lower arm) itself if nothing does."""
+    """Return the mean of the hand's children without the thumb, (T, 3); without any, the hand (or lower arm) itself."""
     hand = body.joints[side + "Hand"]
     return _hanging(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
 
@@ -142,9 +140,9 @@ def _hanging(motion: SourceMotion, joint: int, positions: Float, ends: Float) ->
 
 
 def source_points(motion: SourceMotion, body: SourceBody, world: WorldPose, axis: UpAxis) -> SourcePoints:
-    """A body's poses in the `world` in Y-up axes, lengths in its own unit, with the tips of hands and feet.
+    """Return a body's poses from `world` in Y-up axes, in file units, with the tips of hands and feet.
 
-    MotionFileError if nothing ends a lower arm.
+    Raises MotionFileError if a lower arm has no end.
     """
     ends = end_positions(motion, world)
     positions, rotations = world.positions, world.rotations
@@ -161,13 +159,14 @@ def source_points(motion: SourceMotion, body: SourceBody, world: WorldPose, axis
                     tips[side + child] = tip
         if not (body.joints[side + "Hand"] is not None or side + "Hand" in tips):
             raise MotionFileError(
-                motion.file, None, f"nothing ends the {side} lower arm", "a hand or an End Site expected"
+                motion.file, None, f"the {side} lower arm has no end", "a hand or an End Site expected"
             )
     return SourcePoints(body, positions, rotations, tips)
 
 
 def _joint_tip(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float | None:
-    """Mean of what hangs on a joint (thumbs left out), (T, 3); None if nothing does or if it is the joint itself."""
+    """Return the mean of a joint's children (without thumbs), (T, 3); None if there are none or they coincide with
+    it."""
     children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
     places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
     distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-6]
@@ -175,5 +174,5 @@ def _joint_tip(motion: SourceMotion, joint: int, positions: Float, ends: Float) 
 
 
 def rest_points(motion: SourceMotion, body: SourceBody, axis: UpAxis) -> SourcePoints:
-    """The same of its rest pose, a single sample."""
+    """Return `source_points` of the rest pose, a single sample."""
     return source_points(motion, body, rest_pose(motion), axis)

@@ -1,4 +1,4 @@
-"""Where a recording's floor is, and where the hips go so that the feet that carry stay put on it."""
+"""Floor height of a recording, and hip positions that keep the supporting feet in place."""
 
 from typing import Final
 
@@ -13,17 +13,17 @@ from live.motion.skeleton import SKELETON
 Float = npt.NDArray[np.floating]
 
 SUPPORT_HEIGHT: Final = 0.05
-"""A foot this high [m] over its floor counts e times less than one on it when the hips are placed."""
+"""The weight of a foot in placing the hips falls by a factor e per this height [m] over its floor."""
 FLOOR_PERCENTILE: Final = 5.0
 FLOATING: Final = 0.08
-"""Where the lowest sole is this high [m] over the floor for half of the time, the recording drifts."""
+"""If the lowest sole is this high [m] over the floor for half of the time, the recording drifts vertically."""
 DRIFT_WINDOW: Final = 2.0
-"""Seconds within which a foot is sure to come down (a jump lasts less than one)."""
+"""Window [s] in which a foot certainly touches the floor (a jump lasts less than 1 s)."""
 _HIP_MIDDLE: Final = SKELETON.offsets[SKELETON.index("leftUpperLeg")].astype(np.float64) * (0.0, 1.0, 1.0)
 
 
 def find_floor(lowest: Float, sample_rate: float) -> Float:
-    """Height of the floor [m] at each sample, (T,), from the height `lowest` (T,) of the lowest sole."""
+    """Return the floor height [m] at each sample, (T,), from the height `lowest` (T,) of the lowest sole."""
     floor = np.full(lowest.shape, np.percentile(lowest, FLOOR_PERCENTILE))
     if np.median(lowest - floor) < FLOATING:
         return floor
@@ -34,10 +34,11 @@ def find_floor(lowest: Float, sample_rate: float) -> Float:
 
 
 def place_hips(points: SourcePoints, world: Float, rotation: Float, scale: float) -> Float:
-    """Where the hips go [m], (T, 3): between the source's hip joints, then moved so that carrying feet stay put.
+    """Return hip positions [m], (T, 3): between the source's hip joints, then moved so that supporting feet stay in
+    place.
 
-    Legs of other proportions put the feet a few centimetres beside the source's; the hips take up that difference,
-    weighted by how near each foot is to the floor, and the directions of the bones remain as they are.
+    Legs of other proportions put the feet a few centimetres away from the source's. The hips compensate that
+    difference, weighted by each foot's height over the floor; bone directions do not change.
     """
     root = scale * points.middle("UpperLeg") - quaternion.rotate(world[:, 0], _HIP_MIDDLE)
     positions, _ = forward_kinematics(root, rotation)

@@ -1,8 +1,8 @@
-"""Which joint of a recording is which joint of the engine: by the words in the names and by the hierarchy.
+"""Mapping of a recording's joints to the engine's, by name and hierarchy.
 
-Names alone do not decide: `LeftShoulder` is the clavicle in one family of files and the upper arm in the next,
-`LeftLeg` the shin beside `LeftUpLeg`, `LeftFoot` the toes beside `LeftAnkle`. So limbs are sought as whole chains, each
-joint below the one before, and the trunk is what lies between the legs' and the arms' common ancestors.
+Names alone are ambiguous: `LeftShoulder` is the clavicle in one family of files and the upper arm in another, `LeftLeg`
+is the shin next to `LeftUpLeg`, `LeftFoot` the toes next to `LeftAnkle`. Limbs are therefore searched as whole chains,
+each joint below the previous one; the trunk lies between the common ancestors of the legs and the arms.
 """
 
 import re
@@ -17,7 +17,7 @@ _TOKEN: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", re.ASCII)
 _SIDES: Final = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _HELPERS: Final = ("end", "nub", "tip", "site", "twist", "roll", "effector", "ik", "pole")
 
-# per engine joint the words that may mean it, the surest first
+# candidate words per engine joint, the most reliable first
 _LEG: Final[dict[str, tuple[str, ...]]] = {
     "UpperLeg": ("thigh", "upleg", "upperleg", "femur", "hip"),
     "LowerLeg": ("shin", "calf", "lowerleg", "lowleg", "loleg", "knee", "tibia", "leg"),
@@ -29,19 +29,19 @@ _ARM: Final[dict[str, tuple[str, ...]]] = {
 }
 _HAND: Final = ("wrist", "hand")
 _HAND_OF_RADIUS: Final = ("hand", "wrist")
-"""Acclaim skeletons split the forearm: the bone `lwrist` is its last third, and `lhand` begins at the wrist."""
+"""Acclaim skeletons split the forearm: the bone `lwrist` is its last third, `lhand` begins at the wrist."""
 _TOES: Final = ("toebase", "toes", "toe", "ball", "foot")
 _CLAVICLE: Final = ("clavicle", "collar", "scapula", "shoulder")
 _HEAD: Final = ("head", "face", "skull")
 _ACCLAIM: Final = (
     "hipjoint", "femur", "tibia", "foot", "toes", "clavicle", "humerus", "radius", "wrist", "hand", "fingers", "thumb",
 )  # fmt: skip
-"""Bones that the Acclaim format names in small letters after an l or r: lfemur."""
+"""Bones that the Acclaim format names in lower case after an l or r: lfemur."""
 _TRIES: Final = 4
-"""Joints of one name that are tried: a file may hold hundreds, and chains of them would take forever."""
+"""Limit of joints tried per name: with hundreds of equal names the chain search would be too slow."""
 _REQUIRED: Final = (
     *(side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")),
-    "hips",  # there are none where a leg is the root
+    "hips",  # missing if a leg is the root
 )
 
 
@@ -50,19 +50,19 @@ class SourceBody:
     """The joints of a recording that make up its body, as indices into `SourceMotion.names`."""
 
     joints: dict[str, int | None]
-    """For each of the engine's 22 joints the source's, or None."""
+    """For each of the engine's 22 joints the source joint's index, or None."""
     spine: tuple[int, ...]
-    """All joints of the trunk above the hips, bottom up, the last one carries the arms; may be empty."""
+    """All trunk joints above the hips, bottom up; the last one is the parent of the arms; may be empty."""
     neck: tuple[int, ...]
     """All joints between the trunk and the head, bottom up; may be empty."""
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Engine joints without which no motion can be taken over."""
+        """Required engine joints that were not found."""
         return tuple(name for name in _REQUIRED if self.joints[name] is None)
 
     def joint(self, name: str) -> int:
-        """Source joint of a required engine joint; KeyError if there is none."""
+        """Return the source joint of a required engine joint; raises KeyError if there is none."""
         index = self.joints[name]
         if index is None:
             raise KeyError(name)
@@ -70,22 +70,22 @@ class SourceBody:
 
 
 def map_joints(motion: SourceMotion) -> dict[str, str | None]:
-    """For each of the engine's joints the name of the source's joint, or None."""
+    """Return for each of the engine's joints the name of the source joint, or None."""
     return {name: None if j is None else motion.names[j] for name, j in find_body(motion).joints.items()}
 
 
 def find_body(motion: SourceMotion) -> SourceBody:
-    """Find the body in a recording's skeleton; what is not there is None (see `SourceBody.missing`)."""
+    """Find the body in a recording's skeleton; missing joints are None (see `SourceBody.missing`)."""
     return find_body_among(motion.names, motion.parents.tolist())
 
 
 def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
-    """The same for joints by their names and parents (-1: none), parents first."""
+    """Find the body among joints given by names and parents (-1: none), parents first."""
     return _BodyFinder(names, parents).find()
 
 
 def split_name(name: str) -> tuple[str, str]:
-    """Side ("left", "right" or "") and stem of a joint's name: "mixamorig:LeftUpLeg" → ("left", "upleg")."""
+    """Return side ("left", "right" or "") and stem of a joint name: "mixamorig:LeftUpLeg" → ("left", "upleg")."""
     name = name.rsplit(":", 1)[-1]
     tokens = [token.lower() for token in _TOKEN.findall(name)]
     side, stem = "", []
@@ -153,7 +153,7 @@ class _BodyFinder:
             joints[side + name] = joint
 
     def _chain(self, above: int | None, side: str, words: list[tuple[str, ...]]) -> list[int] | None:
-        """The first joints that bear one word of each kind and hang below each other."""
+        """Return the first joints that match one word of each entry, each below the previous one."""
         if not words:
             return []
         for word in words[0]:
@@ -178,21 +178,21 @@ class _BodyFinder:
         return None if joint is None or self._parents[joint] < 0 else self._parents[joint]
 
     def _path(self, joint: int) -> list[int]:
-        """The joint and all above it, up to the root."""
+        """Return the joint and all its ancestors, up to the root."""
         path = [joint]
         while self._parents[path[-1]] >= 0:
             path.append(self._parents[path[-1]])
         return path
 
     def _common(self, a: int | None, b: int | None) -> int | None:
-        """The lowest joint above both."""
+        """Return the lowest common ancestor."""
         if a is None or b is None:
             return None
         above = set(self._path(b)[1:])
         return next((joint for joint in self._path(a)[1:] if joint in above), None)
 
     def _until(self, joint: int | None, stop: list[int]) -> list[int]:
-        """From below `stop` (not with it) to `joint`, bottom up; empty without a joint."""
+        """Return the joints between `stop` (exclusive) and `joint` (inclusive), bottom up; empty without a joint."""
         chain: list[int] = []
         while joint is not None and joint not in stop:
             chain.insert(0, joint)

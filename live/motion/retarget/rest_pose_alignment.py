@@ -1,8 +1,8 @@
-"""Constant rotations from the engine's joints to a recording's, found from a pose that both can take.
+"""Constant rotations from the engine's joints to a recording's, from a reference pose.
 
 For each joint `world(engine) = world(source) · alignment` at every moment. The reference is the recording's rest pose
-where that is a standing body (T-pose, A-pose, arms hanging), else the frame in which the dancer stands most plainly:
-several programs write rest poses in which every bone lies along one axis.
+if that is a standing body (T-pose, A-pose, arms hanging), else the frame closest to plain standing: several programs
+write rest poses in which every bone lies along one axis.
 """
 
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ LIMB_BONES: Final = tuple(
         ("LowerArm", "Hand"),
     )
 )
-"""Joints whose bones keep the recording's directions exactly, with the joint at the end of the bone."""
+"""Joints whose bones keep the recording's directions exactly, each with the joint at the bone's end."""
 
 
 def engine_direction(child: str) -> Float:
-    """Direction of the engine's bone that ends in `child`, in the rest pose, unit (3,)."""
+    """Return the rest-pose direction of the engine's bone that ends in `child`, unit (3,)."""
     return np.asarray(quaternion.unit(SKELETON.offsets[SKELETON.index(child)].astype(np.float64)))
 
 
@@ -45,49 +45,49 @@ class SourcePoints:
 
     body: SourceBody
     positions: Float
-    """Source joints, shape (T, J, 3)."""
+    """World positions of the source joints, shape (T, J, 3)."""
     rotations: Float
     """World rotations of the source joints, shape (T, J, 4)."""
     ends: dict[str, Float]
-    """Where the bones of hands (and of feet, if known) point to: by engine joint, shape (T, 3)."""
+    """Positions of the bone ends of hands (and feet, if known), by engine joint, shape (T, 3)."""
 
     def at(self, joint: str) -> Float:
-        """World positions of the source joint that stands for an engine joint, shape (T, 3)."""
+        """Return world positions of the source joint mapped to an engine joint, shape (T, 3)."""
         source = self.body.joints[joint]
         return self.ends[joint] if source is None else self.positions[:, source]
 
     def has(self, joint: str) -> bool:
-        """Whether it is known where the engine joint is."""
+        """Whether the position of the engine joint is known."""
         return self.body.joints[joint] is not None or joint in self.ends
 
     def bone(self, joint: str, child: str) -> Float:
-        """Unit direction from one engine joint to the next, shape (T, 3)."""
+        """Return the unit direction from one engine joint to the next, shape (T, 3)."""
         return quaternion.unit(self.at(child) - self.at(joint))
 
     def middle(self, joint: str) -> Float:
-        """Half way between the left and the right joint, shape (T, 3)."""
+        """Return the midpoint of the left and the right joint, shape (T, 3)."""
         return np.asarray(0.5 * (self.at("left" + joint) + self.at("right" + joint)))
 
     def across(self, joint: str) -> Float:
-        """From the right joint to the left one, unit, shape (T, 3)."""
+        """Return the unit direction from the right joint to the left one, shape (T, 3)."""
         return self.bone("right" + joint, "left" + joint)
 
     def trunk(self) -> Float:
-        """Unit direction from between the hip joints to between the shoulder joints, shape (T, 3)."""
+        """Return the unit direction from the middle of the hips to the middle of the shoulders, shape (T, 3)."""
         return quaternion.unit(self.middle("UpperArm") - self.middle("UpperLeg"))
 
 
 def body_frame(across: Float, up: Float) -> Float:
-    """Rotation (..., 4) of a body whose left is (nearly) `across` and whose up is `up`, both (..., 3)."""
+    """Return the rotation (..., 4) of a body whose left is (nearly) `across` and whose up is `up`, both (..., 3)."""
     forward = quaternion.unit(np.cross(across, up))
     return quaternion.from_columns(np.cross(up, forward), up, forward)
 
 
 def standing_frame(points: SourcePoints, *, rest: bool) -> Float:
-    """Rotation of the whole body in each frame, from the engine's axes, (T, 4).
+    """Return the rotation of the whole body in each frame, relative to the engine's axes, (T, 4).
 
-    A rest pose is drawn along the axes but its hips seldom to a hair: within 20 degrees it snaps to them. A recorded
-    pose stands upright in the world, whatever its trunk does.
+    A rest pose is snapped to the axes within 20 degrees, because its hips are rarely exact. A recorded pose is taken as
+    upright in the world, independent of the trunk.
     """
     if not rest:
         across = points.across("UpperLeg")
@@ -101,9 +101,9 @@ def standing_frame(points: SourcePoints, *, rest: bool) -> Float:
 
 
 def plainness(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArray[np.bool_]]:
-    """How far each frame is from simply standing (0 = straight), and whether it may serve as a rest pose; (T,) each.
+    """Return each frame's deviation from plain standing (0 = straight) and whether it can be a reference; (T,) each.
 
-    Legs must point down, arms sideways or down and not be folded; arms may be anywhere between T-pose and hanging.
+    Legs must point down; arms must point sideways or down and not be folded, anywhere between T-pose and hanging.
     """
     inverse = quaternion.inverse(frame)
     cost = np.zeros(len(frame))
@@ -122,10 +122,10 @@ def plainness(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArray[np
 
 
 def reference_rotations(points: SourcePoints, frame: Float, at: int) -> dict[str, Float]:
-    """World rotation (4,) of each engine joint in the reference pose `at`, whose body frame is `frame` (T, 4).
+    """Return the world rotation (4,) of each engine joint in the reference pose `at`, with body frame `frame` (T, 4).
 
-    Trunk, head and clavicles stand as in the engine's rest pose, feet flat and pointing where the toes are; limbs are
-    turned the shortest way onto the source's bones.
+    Trunk, head and clavicles are as in the engine's rest pose, feet flat and pointing towards the toes; limbs are
+    rotated the shortest way to the source's bones.
     """
     whole = frame[at]
     rotations = dict.fromkeys(SKELETON.names, whole)
@@ -147,16 +147,17 @@ def reference_rotations(points: SourcePoints, frame: Float, at: int) -> dict[str
 def _flat_foot(toes: Float, whole: Float) -> Float:
     up = quaternion.rotate(whole, _Y)
     level = toes - up * (toes @ up)
-    if np.linalg.norm(level) < 0.3:  # it points down: nothing can be said about its heading
+    if np.linalg.norm(level) < 0.3:  # it points down, so its heading is undefined
         return whole
     return body_frame(np.cross(up, quaternion.unit(level)), up)
 
 
 def hinge_twist(upper: Float, lower: Float, rotation: Float, bone: Float, hinge: Float) -> float:
-    """Angle [rad] by which `rotation` must be turned about its own `bone` so that knee or elbow bend as ours do.
+    """Return the angle [rad] to rotate `rotation` about its `bone` so that knee or elbow bend about the engine's hinge
+    axis.
 
     `upper` and `lower` (T, 3) are directions of the two bones, `rotation` (T, 4) is of either, `bone` and `hinge` (3,)
-    are the engine's bone and hinge axis in the joint's axes. 0 where the limb is never bent.
+    are the engine's bone and hinge axis in the joint's axes. 0 if the limb is never bent.
     """
     axes = quaternion.rotate(quaternion.inverse(rotation), np.cross(upper, lower))
     axis = axes.mean(axis=0)

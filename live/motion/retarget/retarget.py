@@ -1,8 +1,6 @@
-"""A recording onto the engine's skeleton: the bones keep their directions, the feet their places on the floor.
+"""Retargeting of a recording to the engine's skeleton: bones keep their directions, feet their places on the floor.
 
-Trunk and neck chains of any length spread over the engine's three spine joints and one neck joint.
-
-Rotations of the engine's joints that let its bones point where those of a recorded body do.
+Trunk and neck chains of any length are distributed over the engine's three spine joints and one neck joint.
 """
 
 from typing import Final
@@ -38,7 +36,7 @@ SPINE: Final = ("spine", "chest", "upperChest")
 
 
 def _engine_places() -> list[float]:
-    """Where between hips (0) and neck (1) the middles of the segments above spine, chest and upperChest lie."""
+    """Return the midpoints of the segments above spine, chest and upperChest, from 0 (hips) to 1 (neck)."""
     chain = [SKELETON.index(name) for name in (*SPINE, "neck")]
     heights = np.cumsum([np.linalg.norm(SKELETON.offsets[joint]) for joint in chain])
     return [float(0.5 * (heights[n] + heights[n + 1]) / heights[-1]) for n in range(len(SPINE))]
@@ -48,10 +46,10 @@ PLACES: Final = _engine_places()
 
 
 def source_places(rest: SourcePoints) -> Float:
-    """Middles of the source's segments above the hips and above each spine joint, from 0 (hips) to 1 (arms).
+    """Return the midpoints of the source's segments above the hips and each spine joint, from 0 (hips) to 1 (arms).
 
-    Lengths are taken along the chain in the rest pose; the last joint's segment reaches up to the neck, or to the
-    line between the shoulder joints where the neck hangs on the same spot.
+    Lengths are measured along the chain in the rest pose. The last segment ends at the neck, or at the line between the
+    shoulder joints if the neck has the same position.
     """
     body = rest.body
     chain = [rest.at("hips")[0], *(rest.positions[0, joint] for joint in body.spine)]
@@ -63,9 +61,9 @@ def source_places(rest: SourcePoints) -> Float:
 
 
 def spine_rotations(rest: SourcePoints, hips: Float, chain: list[Float]) -> dict[str, Float]:
-    """World rotations of spine, chest and upperChest, (T, 4) each, from the hips' and the chain's aligned ones.
+    """Return world rotations of spine, chest and upperChest, (T, 4) each, from the aligned rotations of hips and chain.
 
-    Each of ours takes the rotation that the source's trunk has at the same height: SLERP between the two nearest.
+    Each engine joint gets the source trunk's rotation at the same relative height: SLERP between the two nearest.
     """
     known = [hips, *chain]
     places = source_places(rest)
@@ -82,7 +80,7 @@ def spine_rotations(rest: SourcePoints, hips: Float, chain: list[Float]) -> dict
 
 
 def neck_rotation(chain: list[Float], chest: Float, head: Float) -> Float:
-    """World rotation of the neck, (T, 4): that of the middle of the chain, or half way from chest to head."""
+    """Return the neck's world rotation, (T, 4): the middle of the chain, or half way from chest to head."""
     if not chain:
         return quaternion.slerp(chest, head, np.asarray(0.5))
     low, high = chain[(len(chain) - 1) // 2], chain[len(chain) // 2]
@@ -90,11 +88,11 @@ def neck_rotation(chain: list[Float], chest: Float, head: Float) -> Float:
 
 
 TWISTED: Final = np.radians(60.0)
-"""A limb that bends this far beside our hinge axis has a rest pose whose twist means nothing."""
+"""If a limb's bend axis is this far off the engine's hinge axis, the twist of its rest pose is ignored."""
 
 
 def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
-    """World rotations of the engine's joints, shape (T, 22, 4)."""
+    """Return world rotations of the engine's joints, shape (T, 22, 4)."""
     frame = standing_frame(rest, rest=True)
     from_rest = bool(plainness(rest, frame)[1][0])
     reference, at = rest, 0
@@ -127,7 +125,7 @@ def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
 
 
 def _exact(rotation: Float, points: SourcePoints, joint: str, child: str) -> Float:
-    """Turned by the little that is left, so that the bone points where the source's does (twist bones, drift)."""
+    """Apply the remaining rotation that makes the bone point exactly where the source's does (twist bones, drift)."""
     pointing = quaternion.rotate(rotation, engine_direction(child))
     target = points.at(child) - points.at(joint)
     target = np.where(np.linalg.norm(target, axis=-1, keepdims=True) > 1e-9, target, pointing)
@@ -135,7 +133,7 @@ def _exact(rotation: Float, points: SourcePoints, joint: str, child: str) -> Flo
 
 
 def _bent_like_ours(points: SourcePoints, rotation: Float, joint: str, tolerance: float) -> Float:
-    """Turned about the bone so that knee or elbow bend about our hinge axis, if they are off by over `tolerance`."""
+    """Rotate about the bone so that knee or elbow bend about the engine's hinge axis, if off by over `tolerance`."""
     side = "left" if joint.startswith("left") else "right"
     limb = ("UpperArm", "LowerArm", "Hand") if joint.endswith("Arm") else ("UpperLeg", "LowerLeg", "Foot")
     upper, lower = (points.bone(side + limb[n], side + limb[n + 1]) for n in (0, 1))
@@ -148,7 +146,7 @@ def _bent_like_ours(points: SourcePoints, rotation: Float, joint: str, tolerance
 
 
 def local_rotations(world: Float) -> Float:
-    """Each joint's rotation from its parent's, of `world` ones, both (T, 22, 4)."""
+    """Return each joint's rotation relative to its parent from `world` rotations, both (T, 22, 4)."""
     local = world.copy()
     for joint, parent in enumerate(SKELETON.parents):
         if parent >= 0:
@@ -157,9 +155,9 @@ def local_rotations(world: Float) -> Float:
 
 
 SAMPLE_RATE: Final = 60.0
-"""Samples per second of clips made from recordings [Hz]."""
+"""Sample rate of clips made from recordings [Hz]."""
 _NEARLY: Final = 1e-3
-"""Part of a frame that is none: headers round the frame time."""
+"""Fraction of a frame that counts as zero, because headers round the frame time."""
 
 
 def retarget(
@@ -173,20 +171,19 @@ def retarget(
     sample_rate: float = SAMPLE_RATE,
     centred: bool = True,
 ) -> Clip:
-    """The motion as a clip of the engine's skeleton, `sample_rate` samples per second.
+    """Return the motion as a clip of the engine's skeleton at `sample_rate`.
 
-    `fps` is the true frame rate where the header lies, `drop_frames` leading frames are left out before anything
-    else, `unit_m` (metres per unit) is only checked for plausibility, for the scale is the ratio of leg lengths:
-    steps become as long as the engine's legs make them. `up` is found if it is not given.
+    `fps` is the true frame rate if the header is wrong. `drop_frames` leading frames are dropped first. `unit_m`
+    (metres per unit) is only checked for plausibility: the scale is the ratio of leg lengths, so step length follows
+    the engine's legs. `up` is detected if not given.
 
-    Limb bones point exactly where the source's do (its own skeleton, at the same moment); trunk and neck chains of
-    any length are spread over ours; the hips are placed so that the feet that carry stand where the source's stood.
-    The floor comes to y = 0 (5th percentile of the lowest sole; a recording that drifts up and down, as those from
-    video do, is followed slowly), the first sample's hips come to x = z = 0, unless it is not to be `centred`
-    (two who were recorded together); the heading stays as recorded. Between
-    frames rotations are interpolated by SLERP, never as Euler angles.
+    Limb bones point exactly where the source's do (with its own skeleton, at the same moment). Trunk and neck chains of
+    any length are distributed over the engine's. The hips are placed so that supporting feet stay where the source's
+    stood. The floor is moved to y = 0 (5th percentile of the lowest sole; vertical drift, as in motion from video, is
+    followed slowly). The first sample's hips are moved to x = z = 0 unless `centred` is false (two dancers recorded
+    together). The heading stays as recorded. Between frames rotations are interpolated by SLERP, never as Euler angles.
 
-    Raises MotionFileError if the skeleton is no body or has no size, ValueError for arguments out of range.
+    Raises MotionFileError if the skeleton is not a body or has no size, ValueError for arguments out of range.
     """
     body = find_body(motion)
     _check(motion, body, fps, drop_frames, sample_rate)
@@ -196,7 +193,7 @@ def retarget(
     points = source_points(motion, body, world_pose(motion.parents, local), axis)
     leg = leg_length(body, points.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
-        raise MotionFileError(motion.file, None, "the legs have no length", "OFFSETs of a body expected")
+        raise MotionFileError(motion.file, None, "the legs have no length", "a body with OFFSETs of its limbs expected")
     _check_unit(motion, body_height(leg), unit_m)
     world = world_rotations(points, rest_points(motion, body, axis))
     rotation = quaternion.continuous(local_rotations(world))
@@ -230,7 +227,7 @@ def _check(motion: SourceMotion, body: SourceBody, fps: float | None, drop_frame
             motion.file,
             None,
             f"no joints found for {', '.join(body.missing)} among {found}",
-            "names of a body expected",
+            "joint names of a full body expected",
         )
 
 
@@ -239,12 +236,12 @@ def _check_unit(motion: SourceMotion, height: float, unit_m: float | None) -> No
     if unit_m is not None and not low <= height * unit_m <= high:
         raise ValueError(
             f"unit_m {unit_m}: the dancer of {motion.file} would be {height * unit_m:.3g} m tall; "
-            f"{low} to {high} m is believed, that is unit_m {low / height:.3g} to {high / height:.3g}"
+            f"{low} to {high} m is plausible, that is unit_m {low / height:.3g} to {high / height:.3g}"
         )
 
 
 def _resampled(local: LocalPose, drop: int, frames_per_sample: float) -> LocalPose:
-    """Samples at the new rate from frame `drop` on: SLERP and linear between frames."""
+    """Resample from frame `drop` on: SLERP for rotations, linear for translations."""
     frames = local.rotation.shape[0] - drop
     count = int((frames - 1) / frames_per_sample + _NEARLY) + 1
     place = np.minimum(np.arange(count) * frames_per_sample, frames - 1)

@@ -1,1 +1,1 @@
-"""The generated body: mesh, weights, levels of detail. It may import what `render` may."""
+"""The generated body: mesh, skin weights, levels of detail. Imports are limited as in `render`."""

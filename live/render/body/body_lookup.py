@@ -1,4 +1,4 @@
-"""The bodies of a scene by name: generated ones, and characters out of files."""
+"""Lookup of a scene's bodies by name: generated ones, and characters from files."""
 
 from live.base.body_catalogue import BODIES, USUAL
 from live.base.stage_snapshot import Scene
@@ -7,18 +7,18 @@ from live.render.characters.character import Character, load_character
 
 
 def bodies_of(scene: Scene) -> tuple[str, ...]:
-    """The bodies that dancers of a scene have, by name: generated ones, then characters."""
+    """Return the names of the bodies in a scene: generated ones, then characters."""
     bodies = tuple(name for name in BODIES if name == USUAL or name in scene.bodies)
     return bodies + tuple(said.name for said in scene.characters)
 
 
 def characters_of(scene: Scene) -> dict[str, Character]:
-    """The characters of a scene by name; PersonError for one that cannot be drawn."""
+    """Return the characters of a scene by name; PersonError for one that cannot be drawn."""
     return {said.name: load_character(said) for said in scene.characters}
 
 
 def mesh_of(scene: Scene, name: str, level: int) -> BodyMesh:
-    """The surface of a body of a scene at a level of detail."""
+    """Return the mesh of a body of a scene at a level of detail."""
     for said in scene.characters:
         if said.name == name:
             return load_character(said).levels[level].body

@@ -1,7 +1,7 @@
-"""The dancer's body as triangles with soft bonds to the skeleton, in several levels of detail.
+"""Skinned triangle mesh of the dancer's body in several levels of detail.
 
-A coarse cage is subdivided and drawn onto the implicit surface of the body; the bonds (skin weights) are subdivided
-with it, so they are as smooth as the skin and never leak from one limb to another.
+A coarse cage is subdivided and projected onto the implicit surface of the body. The skin weights are subdivided with
+it, so they are as smooth as the skin and never leak from one limb to another.
 """
 
 from dataclasses import dataclass
@@ -25,21 +25,21 @@ Int64 = npt.NDArray[np.int64]
 COARSE: Final = 0
 """Level for shadows and reflections."""
 LIGHT: Final = 1
-"""Level for software rendering and large crowds."""
+"""Level for software rendering and many dancers."""
 FINE: Final = 2
 """Level for a graphics card and few dancers."""
 DISTANT: Final = 3
-"""Level for dancers far from the camera: at 12 m it cannot be told from `LIGHT`."""
+"""Level for dancers far from the camera; at 12 m it looks like `LIGHT`."""
 LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
 
 _SUBDIVISIONS: Final = (0, 1, 2, 1)
 _TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
-"""What levels are simplified to."""
+"""Triangle counts of simplified levels."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 _SWELLING: Final = 0.006
-"""By how much the coarse body is swollen [m], so that its square limbs cast shadows as wide as the round ones."""
+"""Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,9 +53,9 @@ class BodyMesh:
     joint: Int32
     """The joints that move each vertex, shape (V, 4)."""
     weight: Float32
-    """How much each of them does, not negative, rows sum to 1, shape (V, 4)."""
+    """Weight of each of these joints, not negative, rows sum to 1, shape (V, 4)."""
     openness: Float32
-    """How much of the light around reaches the vertex, 0 to 1, shape (V,)."""
+    """Share of ambient light that reaches the vertex, 0 to 1, shape (V,)."""
     triangle: Int32
     """Vertex indices, shape (T, 3)."""
 
@@ -76,9 +76,9 @@ def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
 
 
 def strongest(weights: Float64) -> tuple[Int32, Float32]:
-    """The four strongest joints of each vertex and their weights, which sum to 1.
+    """Return the four strongest joints of each vertex and their weights, which sum to 1.
 
-    The fifth weight is taken off all: it fades out evenly, and of two equal ones neither is preferred.
+    The fifth weight is subtracted from all, so that weights fade out smoothly and ties need no preference.
     """
     order = np.argsort(-weights, axis=1, kind="stable")
     joint = order[:, :_INFLUENCES]
@@ -91,7 +91,7 @@ def strongest(weights: Float64) -> tuple[Int32, Float32]:
 
 
 def _triangles(points: Float64, faces: Int64) -> Int64:
-    """Two triangles for each quadrilateral, across its shorter diagonal."""
+    """Split each quadrilateral into two triangles along its shorter diagonal."""
     across = np.linalg.norm(points[faces[:, 0]] - points[faces[:, 2]], axis=1)
     other = np.linalg.norm(points[faces[:, 1]] - points[faces[:, 3]], axis=1)
     turned = np.where((other < across - 1e-6)[:, None], np.roll(faces, -1, axis=1), faces)
@@ -107,8 +107,8 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 @cache
 def build_body(level: int, name: str = USUAL) -> BodyMesh:
-    """The body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail; built once a process, a
-    fraction of a second. ValueError for what there is not."""
+    """Return the body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail. ValueError for an unknown
+    one. Built once per process, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
             f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"

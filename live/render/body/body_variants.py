@@ -1,7 +1,7 @@
-"""Body types: the dancer's body with other widths and other muscles on the same bones.
+"""Body types: variants of the dancer's body with other widths and muscles on the same skeleton.
 
-A type says, part by part, by what the half-widths of the usual body are multiplied, at places along it, and what is put
-on besides. The skeleton's joints stay where they are, so contacts of feet and hands hold for everybody.
+A type multiplies the half-widths of the usual body's parts at positions along them, and may add parts. The joints do
+not move, so contacts of feet and hands hold for all types.
 """
 
 from dataclasses import dataclass, replace
@@ -15,12 +15,12 @@ from live.render.body import implicit_surface as usual
 from live.render.body.implicit_surface import BODY, Ellipsoid, Loft
 
 _Curve = tuple[tuple[float, float, float, float], ...]
-"""Rows (place along the part from 0 to 1, factors of its half-widths across, before and behind)."""
+"""Rows (position along the part from 0 to 1, factors of its half-widths across, in front and behind)."""
 
 
 @dataclass(frozen=True, slots=True)
 class BodyType:
-    """What makes a body of its own; a curve of one row holds all along the part."""
+    """Parameters of a body type; a curve of one row is constant along the part."""
 
     torso: _Curve = ((0.0, 1.0, 1.0, 1.0),)
     leg: _Curve = ((0.0, 1.0, 1.0, 1.0),)
@@ -33,7 +33,7 @@ class BodyType:
     chest: tuple[float, float, float] = (1.0, 1.0, 1.0)
     seat: float = 1.0
     more: tuple[Ellipsoid, ...] = ()
-    """Parts put on the torso."""
+    """Parts added to the torso."""
 
 
 TYPES: Final[dict[str, BodyType]] = {
@@ -81,7 +81,7 @@ TYPES: Final[dict[str, BodyType]] = {
         neck=0.86, head=1.18, hand=0.90, foot=0.90, shoulder=0.84, chest=(0.75, 0.80, 0.55), seat=0.80,
     ),
 }  # fmt: skip
-"""What each name of `live.base.body_catalogue` stands for."""
+"""The type for each name of `live.base.body_catalogue`."""
 
 
 def _widened(loft: Loft, curve: _Curve) -> Loft:
@@ -109,18 +109,18 @@ def _grown(part: Ellipsoid, *factors: float) -> Ellipsoid:
 
 
 def _around(part: Ellipsoid, centre: tuple[float, float, float], factor: float) -> Ellipsoid:
-    """Larger with all that is around `centre`."""
+    """Scale a part about `centre`."""
     x, y, z = (c + (p - c) * factor for p, c in zip(part.centre, centre, strict=True))
     return replace(_grown(part, factor), centre=(x, y, z))
 
 
 _HEAD_ROOT: Final = (0.0, 1.530, 0.0)
-"""What the head grows around: where the neck enters it."""
+"""Centre for scaling the head: where the neck enters it."""
 
 
 @cache
 def parts_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
-    """The left half of the body of that name, in the order in which its parts are blended; ValueError for none."""
+    """Return the parts of the left half of a body, in blending order; ValueError for an unknown name."""
     if name not in TYPES:
         raise ValueError(f"body {name!r}: there are {', '.join(BODIES)}")
     kind = TYPES[name]
@@ -159,6 +159,6 @@ def _of_small(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipsoid:
 
 
 def bun_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
-    """The knot of hair that goes with the body of that name."""
+    """Return the hair bun of the body of that name."""
     factor = TYPES[name].head
     return tuple(_around(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)

@@ -1,7 +1,7 @@
-"""The coarse cage of the dancer's body: quadrilaterals that follow the skeleton, each corner bound to joints.
+"""Coarse cage of the dancer's body: quadrilaterals that follow the skeleton, with skin weights at the corners.
 
-The cage is the topology: edge loops lie across every limb, so joints bend softly, and every subdivision of it is
-closed. It is built for the left half (x >= 0) and mirrored; corners at x = 0 are shared by both halves.
+Edge loops across every limb let joints bend softly, and every subdivision of the cage is closed.
+The left half (x >= 0) is built and mirrored; corners at x = 0 are shared by both halves.
 """
 
 from dataclasses import dataclass
@@ -25,13 +25,13 @@ class Cage:
     points: Float64
     """Corners [m], shape (V, 3)."""
     weights: Float64
-    """How much each joint moves each corner, rows sum to 1, shape (V, J)."""
+    """Skin weights of each corner, rows sum to 1, shape (V, J)."""
     faces: Int64
     """Corner indices, shape (F, 4)."""
 
 
 class _Half:
-    """Collects the left half; rings are lists of four corners in the order of their direction of travel."""
+    """Builder of the left half; rings are lists of four corners, ordered around the direction of extrusion."""
 
     def __init__(self) -> None:
         self.points: list[Point] = []
@@ -214,7 +214,7 @@ def _mirrored(half: _Half) -> Cage:
 
 
 def build_cage() -> Cage:
-    """The cage of the body without its knot of hair, in the rest pose."""
+    """Return the cage of the body without its hair bun, in the rest pose."""
     half = _Half()
     rows = _trunk(half)
     _leg(half, rows[0])
@@ -223,7 +223,7 @@ def build_cage() -> Cage:
 
 
 def build_bun_cage() -> Cage:
-    """The cage of the knot of hair: a cube on the back of the head."""
+    """Return the cage of the hair bun: a cube on the back of the head."""
     (x, y, z), r = _BUN
     signs = np.array(
         [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]

@@ -1,8 +1,8 @@
-"""The shape of the dancer's body in the rest pose: an implicit surface of softly blended lofts and ellipsoids.
+"""Implicit surface of the dancer's body in the rest pose: smoothly blended lofts and ellipsoids.
 
 The field is zero on the skin, positive outside, about the distance [m] near it. The body is symmetric, so only the
-left half is described (left = +x) and points are mirrored into it. All lengths in metres, proportions of a dancer
-1.7 m tall: eight heads, long limbs, a defined waist; lofts follow the bones of `live.motion.skeleton`.
+left half is described (left = +x) and points are mirrored into it. All lengths are in metres, for a dancer 1.7 m tall
+(eight heads). Lofts follow the bones of `live.motion.skeleton`.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _TINY: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Ellipsoid:
-    """A blob: centre, radii, and how widely it melts into what came before [m]; `pitch_deg` tips it about x."""
+    """An ellipsoid: centre, radii, and blend width with the parts before it [m]; `pitch_deg` rotates it about x."""
 
     centre: tuple[float, float, float]
     radii: tuple[float, float, float]
@@ -33,7 +33,7 @@ class Loft:
     """A limb: cross-sections along a line from `start` to `end`.
 
     A row is (t, across, front, back, shift): position along the line from 0 to 1, the half-width along `across`,
-    the half-widths before and behind the line (a calf bulges behind only), and the line's own shift to the front.
+    the half-widths in front of and behind the line (a calf bulges behind only), and a shift of the line to the front.
     """
 
     start: tuple[float, float, float]
@@ -44,7 +44,7 @@ class Loft:
 
 
 def _upright(x: float, z: float, rows: tuple[tuple[float, float, float, float, float], ...], blend: float) -> Loft:
-    """A vertical loft whose rows give heights y [m] from the top down instead of t."""
+    """Return a vertical loft whose rows have heights y [m] from the top down instead of t."""
     top, bottom = rows[0][0], rows[-1][0]
     scaled = tuple(((top - y) / (top - bottom), *rest) for y, *rest in rows)
     return Loft((x, top, z), (x, bottom, z), (1.0, 0.0, 0.0), scaled, blend)  # type: ignore[arg-type]
@@ -202,10 +202,10 @@ BODY: Final[tuple[Loft | Ellipsoid, ...]] = (
     Ellipsoid((0.0, 1.512, 0.056), (0.026, 0.020, 0.024), 0.035),  # chin
     Ellipsoid((0.0, 1.577, 0.084), (0.009, 0.026, 0.010), 0.026, 14.0),  # nose
 )
-"""The left half of the body, in the order in which the parts are blended."""
+"""The left half of the body, in blending order."""
 
 BUN: Final[tuple[Loft | Ellipsoid, ...]] = (Ellipsoid((0.0, 1.668, -0.094), (0.043, 0.040, 0.038), 0.0),)
-"""The knot of hair, a closed surface of its own that sits in the head."""
+"""The hair bun, a separate closed surface that intersects the head."""
 
 
 def _ellipsoid_distance(part: Ellipsoid, points: Float64) -> Float64:
@@ -217,7 +217,7 @@ def _ellipsoid_distance(part: Ellipsoid, points: Float64) -> Float64:
 
 
 def _scaled_distance(unit: Float64, radii: Float64) -> Float64:
-    """About the distance to an ellipsoid whose surface is |unit| = 1 (first order, exact on the surface)."""
+    """Return the approximate distance to an ellipsoid with the surface |unit| = 1 (first order)."""
     k0 = np.sqrt((unit * unit).sum(axis=1))
     k1 = np.sqrt(((unit / radii) ** 2).sum(axis=1))
     return np.asarray(k0 * (k0 - 1.0) / np.maximum(k1, _TINY))
@@ -225,7 +225,7 @@ def _scaled_distance(unit: Float64, radii: Float64) -> Float64:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LoftTable:
-    """A loft made ready: frame, length, and its rows sampled densely from a monotone cubic spline."""
+    """A loft prepared for evaluation: frame, length, and rows sampled densely from a monotone cubic spline."""
 
     start: Float64
     axes: Float64  # rows: along, across, front
@@ -242,7 +242,7 @@ def _prepare(loft: Loft) -> _LoftTable:
     across /= np.linalg.norm(across)
     front = np.cross(across, along)
     if abs(front[2]) > abs(front[1]):
-        front *= np.sign(front[2])  # limbs: the front is where the body looks
+        front *= np.sign(front[2])  # limbs: the front is where the body faces
     else:
         front *= np.sign(front[1])  # feet: the front is the instep
     rows = np.array(loft.rows)
@@ -264,7 +264,7 @@ def _loft_distance(table: _LoftTable, points: Float64) -> Float64:
 
 
 def _blend(a: Float64, b: Float64, width: float) -> Float64:
-    """Smooth minimum: the union of two bodies with a fillet `width` [m] wide."""
+    """Return the smooth minimum: the union of two shapes with a fillet `width` [m] wide."""
     if width <= 0.0:
         return np.minimum(a, b)
     overlap = np.maximum(width - np.abs(a - b), 0.0) / width
@@ -272,13 +272,13 @@ def _blend(a: Float64, b: Float64, width: float) -> Float64:
 
 
 class Shape:
-    """The field of a list of parts, evaluated for many points at once."""
+    """Distance field of a list of parts, evaluated for many points at once."""
 
     def __init__(self, parts: tuple[Loft | Ellipsoid, ...]) -> None:
         self._parts = [(part if isinstance(part, Ellipsoid) else _prepare(part)) for part in parts]
 
     def distance(self, points: Float64) -> Float64:
-        """About the distance from the skin [m], negative inside; points (N, 3) in the rest pose."""
+        """Return the approximate distance from the skin [m], negative inside; points (N, 3) in the rest pose."""
         mirrored = points.copy()
         mirrored[:, 0] = np.abs(mirrored[:, 0])
         total: Float64 | None = None
@@ -293,7 +293,7 @@ class Shape:
         return np.maximum(total, -points[:, 1])  # soles are flat
 
     def normal(self, points: Float64, step: float = 2e-3) -> Float64:
-        """Unit outward normals (N, 3) by central differences over `step` [m]."""
+        """Return unit outward normals (N, 3) from central differences over `step` [m]."""
         moved = np.concatenate([points + step * axis for axis in _STEPS])
         values = self.distance(moved).reshape(6, -1)
         gradient = np.stack([values[0] - values[1], values[2] - values[3], values[4] - values[5]], axis=1)

@@ -1,9 +1,8 @@
-"""Fewer triangles where they are not missed: edge collapse by quadric error (Garland and Heckbert 1997).
+"""Mesh simplification by edge collapse with quadric errors (Garland and Heckbert 1997), and Catmull-Clark subdivision
+(Catmull and Clark 1978) of closed meshes, with any vertex data.
 
-Vertices only go, none moves, so whatever they carry stays as it was. Collapses happen in mirrored pairs, so a
-symmetric mesh stays symmetric; the mesh stays closed.
-
-Catmull-Clark subdivision of closed meshes of quadrilaterals (Catmull and Clark 1978), for any vertex data.
+Simplification removes vertices and moves none, so their data stays valid. Edges collapse in mirrored pairs, so a
+symmetric mesh stays symmetric; a closed mesh stays closed.
 """
 
 import heapq
@@ -17,20 +16,20 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 _CARRIED: Final = 3e-5
-"""What a full change of weights along a metre costs [m^4]."""
+"""Cost of a full change of weights along a metre [m^4]."""
 _FLIP: Final = 0.25
-"""A triangle must not turn by more than the angle with this cosine."""
+"""A triangle must not rotate by more than the angle with this cosine."""
 
 
 def mirror_partners(points: Float64) -> Int64:
-    """For each point the index of the point nearest to its image in the plane x = 0."""
+    """Return for each point the index of the point nearest to its mirror image in the plane x = 0."""
     image = points * np.array([-1.0, 1.0, 1.0])
     squared = (points**2).sum(axis=1)[:, None] + (image**2).sum(axis=1)[None, :] - 2.0 * points @ image.T
     return np.asarray(squared.argmin(axis=0), np.int64)
 
 
 def _quadrics(points: Float64, triangles: Int64) -> Float64:
-    """Per vertex the sum of its triangles' squared-distance forms, weighted by area, shape (V, 4, 4)."""
+    """Return per vertex the sum of its triangles' squared-distance forms, weighted by area, shape (V, 4, 4)."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     normal = np.cross(b - a, c - a)
     area = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
@@ -44,7 +43,7 @@ def _quadrics(points: Float64, triangles: Int64) -> Float64:
 
 
 class _Mesh:
-    """Triangles that can lose vertices."""
+    """Triangle mesh that supports edge collapse."""
 
     def __init__(self, points: Float64, triangles: Int64, cost: Float64) -> None:
         self.points = points
@@ -63,17 +62,17 @@ class _Mesh:
         return found
 
     def cost(self, gone: int, kept: int) -> float:
-        """How much is lost when `gone` falls onto `kept`: distance from the planes, and what they carry."""
+        """Return the cost of collapsing `gone` onto `kept`: quadric error, and difference of vertex data."""
         at = self.homogeneous[kept]
         shape = float(at @ (self.quadric[gone] + self.quadric[kept]) @ at)
         apart = float(np.abs(self._carried[gone] - self._carried[kept]).sum())
         return shape + _CARRIED * math.dist(self.points[gone], self.points[kept]) * (0.2 + apart)
 
     def allowed(self, gone: int, kept: int) -> bool:
-        """Whether the mesh stays closed and no triangle turns over."""
+        """Whether the mesh stays closed and no triangle flips."""
         around_gone, around_kept = self.neighbours(gone), self.neighbours(kept)
         if len(around_gone & around_kept) != 2 or len(around_gone | around_kept) <= 4:
-            return False  # it would pinch, or a tetrahedron would fall flat
+            return False  # the mesh would become non-manifold, or a tetrahedron degenerate
         for face in self.faces_of[gone]:
             corners = self.faces[face]
             if kept in corners:
@@ -105,7 +104,7 @@ def _normal(corners: Float64) -> Float64:
 
 
 class _Queue:
-    """The collapses on offer, cheapest first; those of vertices that have changed since are out of date."""
+    """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
 
     def __init__(self, mesh: _Mesh, partner: list[int]) -> None:
         self._mesh, self._partner = mesh, partner
@@ -113,15 +112,15 @@ class _Queue:
         self._version = [0] * len(mesh.points)
 
     def offer(self, vertex: int) -> None:
-        """Put up every collapse along the edges of a vertex."""
+        """Add every collapse along the edges of a vertex."""
         for other in self._mesh.neighbours(vertex):
             for gone, kept in ((vertex, other), (other, vertex)):
-                if self._partner[gone] != gone or self._partner[kept] == kept:  # the middle stays on the middle
+                if self._partner[gone] != gone or self._partner[kept] == kept:  # vertices at x = 0 stay there
                     versions = self._version[gone], self._version[kept]
                     heapq.heappush(self._heap, (self._mesh.cost(gone, kept), gone, kept, *versions))
 
     def take(self) -> tuple[int, int] | None:
-        """The cheapest collapse that is still up to date, None when there is none."""
+        """Remove and return the cheapest collapse that is not stale, or None."""
         while self._heap:
             _, gone, kept, at_gone, at_kept = heapq.heappop(self._heap)
             if self._version[gone] == at_gone and self._version[kept] == at_kept:
@@ -129,16 +128,16 @@ class _Queue:
         return None
 
     def changed(self, gone: int, kept: int) -> None:
-        """Everything around `kept` has changed, `gone` is no more."""
+        """Mark entries of `gone` and of all vertices around `kept` as stale."""
         self._version[gone] = -1
         for one in self._mesh.neighbours(kept) | {kept}:
             self._version[one] += 1
 
 
 def simplify(points: Float64, triangles: Int64, carried: Float64, wanted: int) -> tuple[Int64, Int64]:
-    """Kept vertices (indices into `points`) and at most about `wanted` triangles among them, if that can be.
+    """Return kept vertices (indices into `points`), and about `wanted` triangles among them, or more if necessary.
 
-    `carried` (V, C) is what the vertices carry (joint weights): collapses between unlike ones cost more.
+    `carried` (V, C): vertex data (joint weights); collapses between different values cost more.
     The mesh [m] must be closed and symmetric about x = 0.
     """
     mesh = _Mesh(points, triangles, carried)
@@ -162,9 +161,9 @@ def simplify(points: Float64, triangles: Int64, carried: Float64, wanted: int) -
 
 
 def subdivide(values: Float64, faces: Int64) -> tuple[Float64, Int64]:
-    """Each face becomes four; `values` (V, C) are positions and whatever else the vertices carry.
+    """Split each face into four; `values` (V, C): positions and other vertex data.
 
-    Returns the new values, old vertices first, and the new faces (4F, 4) in the same turning sense.
+    Returns the new values, old vertices first, and the new faces (4F, 4) with the same orientation.
     Raises ValueError if the mesh is not closed (an edge with other than two faces).
     """
     count = len(values)

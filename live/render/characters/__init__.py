@@ -1,1 +1,1 @@
-"""Characters that people bring: glTF and VRM files. It may import what `render` may."""
+"""Characters from glTF and VRM files. Imports are limited as in `render`."""

@@ -1,4 +1,4 @@
-"""A character ready to be drawn: in three levels of detail, with its images, on the engine's skeleton."""
+"""Character prepared for drawing: three levels of detail, images, and weights for the engine's skeleton."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,45 +27,45 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
-"""Triangles of each level at most."""
+"""Maximum number of triangles of each level."""
 _REACHES: Final = (0.06, 0.10, 0.16)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WornMesh:
-    """A level of a character's surface, and what lies on it (V vertices)."""
+    """Mesh of a character at one level of detail, with its surface attributes (V vertices)."""
 
     body: BodyMesh
     uv: Float32
-    """Place on its image, shape (V, 2)."""
+    """Texture coordinates, shape (V, 2)."""
     tint: Float32
-    """Square root of linear RGB that the image is multiplied by, and sheen, 0 to 1, shape (V, 4)."""
+    """Square root of the linear RGB factor of the image, and sheen, 0 to 1, shape (V, 4)."""
     finish: Float32
-    """Layer, opacity where there is nothing left, opacity, unused; the first as it is, the others 0 to 1; (V, 4)."""
+    """Layer, alpha cutoff, opacity, number of its extras / 255; all but the layer 0 to 1; shape (V, 4)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Character:
-    """One character."""
+    """A character prepared for drawing."""
 
     model: Model
     joints: Mapping[str, int | None]
-    """Node of each of the engine's joints."""
+    """The character's node for each of the engine's joints."""
     fitted: Fitted
     levels: Mapping[int, WornMesh]
     """By `COARSE`, `LIGHT`, `FINE`."""
     layers: npt.NDArray[np.uint8]
     """Images, shape (L, S, S, 4): square roots of linear RGB, and opacity."""
     two_sided: bool
-    """Whether some of it is seen from behind, too."""
+    """Whether some material is two-sided."""
     reach: float
-    """How far it reaches beyond its joints [m]."""
+    """Maximum distance of the surface from its joints [m]."""
     extras: Float32
-    """What some materials have beside their colours, see `extras_of`."""
+    """Normal and emission parameters of materials, see `extras_of`."""
 
 
 def load_character(said: CharacterFile) -> Character:
-    """The character of a scene, read once while its file stays as it is; PersonError if it cannot be drawn."""
+    """Return a character, cached until its file changes; PersonError if it cannot be drawn."""
     path = Path(said.path)
     try:
         stat = path.stat()
@@ -86,7 +86,7 @@ def _loaded(said: CharacterFile, stamp: tuple[int, int]) -> Character:
     hidden = {number for number, material in enumerate(materials) if material is None}
     kept = tuple(part for part in model.parts if part.material not in hidden)
     if not kept:
-        raise MotionFileError(model.file, None, "all its materials are hidden", "leave one to be seen")
+        raise MotionFileError(model.file, None, "all its materials are hidden", "leave one visible")
     layers, layer_of, notes = layers_of(model, [material for material, _ in filter(None, materials)])
     changed = {"parts": kept, "notes": (*model.notes, *notes)}
     model = Model(**{name: getattr(model, name) for name in Model.__dataclass_fields__} | changed)
@@ -105,7 +105,7 @@ def _firsts(model: Model) -> list[int]:
 
 
 def _materials(model: Model, said: Mapping[str, Worn]) -> list[tuple[Material, Worn] | None]:
-    """All materials with what is changed of them, None for those that are hidden."""
+    """Return all materials with their changes, None for hidden ones."""
     for name in said:
         if all(material.name != name for material in model.materials):
             known = ", ".join(material.name for material in model.materials[:20])
@@ -115,7 +115,7 @@ def _materials(model: Model, said: Mapping[str, Worn]) -> list[tuple[Material, W
 
 
 def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_of: Layers) -> Float64:
-    """uv, tint, finish and number of the material of all vertices, shape (V, 11)."""
+    """Return uv, tint, finish and material number of all vertices, shape (V, 11)."""
     rows = []
     for part in model.parts:
         known = materials[part.material]
@@ -131,7 +131,7 @@ def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_
 
 
 def _openness(fitted: Fitted) -> Float64:
-    """How much of the light around reaches each vertex: as on the usual body, which has the same joints."""
+    """Return the share of ambient light at each vertex, from the usual body, which has the same joints."""
     shape, points = Shape(parts_of(USUAL)), fitted.position
     inside = np.minimum(shape.distance(points), 0.0)
     total = np.zeros(len(points))

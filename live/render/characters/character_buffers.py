@@ -1,4 +1,4 @@
-"""A character on the graphics side: its images, and what lies on its surface."""
+"""GPU buffers of a character: images and vertex attributes."""
 
 from typing import Any, Final
 
@@ -10,18 +10,18 @@ from live.render.gl_release import release_all
 from live.render.shader import set_uniform
 
 IMAGE_UNIT: Final = 9
-"""Texture unit of a character's images."""
+"""Texture unit of the character's images."""
 _ATTRIBUTES: Final = (("in_uv", "2f", 8), ("in_tint", "4f1", 4), ("in_finish", "4f1", 4))
 
 
 class CharacterBuffers:
-    """Made at start; drawn by `Crowd.draw` with programs that are compiled with WORN."""
+    """Images and vertex attributes of a character, drawn by `Crowd.draw` with programs compiled with WORN."""
 
     def __init__(self, ctx: moderngl.Context, character: Character) -> None:
         self._ctx, self._two_sided = ctx, character.two_sided
         self._extras = character.extras.tobytes()
         self.reach = character.reach
-        """How far it reaches beyond its joints [m]."""
+        """Maximum distance of the surface from its joints [m]."""
         layers = character.layers
         size = layers.shape[2], layers.shape[1], layers.shape[0]
         self._images = ctx.texture_array(size, 4, np.ascontiguousarray(layers).tobytes())
@@ -36,12 +36,12 @@ class CharacterBuffers:
             self._levels[level] = ctx.buffer(data.tobytes())
 
     def content(self, program: moderngl.Program, level: int) -> tuple[Any, ...]:
-        """Buffer, format and attribute names for a vertex array of a level."""
+        """Return buffer, format and attribute names for a vertex array of a level."""
         form = " ".join(kind if name in program else f"{size}x" for name, kind, size in _ATTRIBUTES)
         return self._levels[level], form, *(name for name, _, _ in _ATTRIBUTES if name in program)
 
     def render(self, program: moderngl.Program, array: moderngl.VertexArray, count: int) -> None:
-        """Draw it for so many dancers, where back faces are culled; what is seen from both sides is not."""
+        """Draw the character for `count` dancers; back faces of two-sided characters are not culled."""
         set_uniform(program, "images", IMAGE_UNIT)
         self._images.use(IMAGE_UNIT)
         if "worn_extras" in program:

@@ -1,7 +1,7 @@
-"""A character in fewer triangles: vertices that share a cell become one (Rossignac and Borrel 1993).
+"""Simplification of characters by vertex clustering (Rossignac and Borrel 1993).
 
-Cells are smaller at head, hands and feet. Places are shared by all that fall into a cell, what lies on an image only
-by what hangs together there, so nothing tears and no colour runs over a seam.
+Cells are smaller at head, hands and feet. All vertices in a cell share a position, but only connected ones share
+texture coordinates, so the surface does not tear and no colour crosses a seam.
 """
 
 from dataclasses import dataclass
@@ -25,28 +25,28 @@ _LARGEST: Final = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Level:
-    """What is kept: for each new vertex what is averaged, and the new triangles."""
+    """Simplified mesh: which old vertices each new one averages, and the new triangles."""
 
     group: Int64
-    """New vertex of each old one, shape (V,)."""
+    """New vertex for each old one, shape (V,)."""
     place: Int64
     """Cell of each new vertex, shape (N,)."""
     cell: Int64
     """Cell of each old vertex, shape (V,)."""
     triangle: Int64
-    """New vertices, shape (T, 3)."""
+    """Indices of new vertices, shape (T, 3)."""
 
     def mean(self, values: Float64) -> Float64:
-        """Means over what became one vertex, (V, C) to (N, C)."""
+        """Return means over the old vertices of each new one, (V, C) to (N, C)."""
         return _mean(values, self.group)
 
     def places(self, position: Float64) -> Float64:
-        """Means over cells, for every new vertex, (V, 3) to (N, 3)."""
+        """Return means over cells, for every new vertex, (V, 3) to (N, 3)."""
         return np.asarray(_mean(position, self.cell)[self.place])
 
 
 def reduce_to(position: Float64, weight: Float64, material: Int64, triangle: Int64, wanted: int) -> Level:
-    """The finest cells that leave `wanted` triangles at most; `material` (V,) keeps what looks different apart."""
+    """Return the finest level with at most `wanted` triangles; vertices of different `material` (V,) stay separate."""
     ends = np.concatenate([triangle[:, [0, 1]], triangle[:, [1, 2]]])
     links = coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(position),) * 2)
     island = connected_components(links, directed=False)[1] * (int(material.max()) + 1) + material

@@ -1,8 +1,7 @@
-"""Materials of a glTF file: base colour, opacity, roughness; MToon's colours are the base colour's.
+"""Materials of glTF files (for MToon the base colour), and their images as layers of one texture array.
 
-A character's images as the layers of one texture: checked before they are unpacked, made equal in size.
-
-What a character's materials have beside their colours: normals and light of their own, as layers and a table.
+Images are checked before they are decoded, and scaled to equal size. Normal maps and emission are layers with a table
+of parameters.
 """
 
 import contextlib
@@ -18,14 +17,14 @@ from live.motion.formats.gltf_document import JsonPlace
 from live.render.characters.model import Material, Model
 
 BRIGHTEST: Final = 8.0
-"""Most light that a material gives, of white cloth's in full light."""
+"""Maximum emission of a material, relative to white cloth in full light."""
 _MASKED = {"MASK": 0.5, "BLEND": 0.35}
 PLAIN = Material("", (0.8, 0.8, 0.8, 1.0), None, 0.0, False, 0.8, False)
-"""What a part without a material is drawn with."""
+"""Material of parts without one."""
 
 
 def read_materials(root: JsonPlace) -> list[Material]:
-    """All materials in their order; what blends is cut out, for dancers hide each other in any order."""
+    """Return all materials in order; blended ones become cut-outs, because dancers are drawn in any order."""
     return [_material(root, place, number) for number, place in enumerate(root.elements("materials"))]
 
 
@@ -52,7 +51,7 @@ def _material(root: JsonPlace, place: JsonPlace, number: int) -> Material:
 
 
 def _bumps(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
-    """The image of the normals, if it lies as the base colour does, and how strong they are."""
+    """Return the normal map's image, if it is placed like the base colour, and its strength."""
     if not place.has("normalTexture"):
         return None, 1.0
     texture = place.object("normalTexture")
@@ -64,7 +63,7 @@ def _bumps(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
 def _glow(
     root: JsonPlace, place: JsonPlace, extensions: JsonPlace | None
 ) -> tuple[tuple[float, float, float], int | None]:
-    """The light that it gives itself, and the image of it, which must lie as the base colour does."""
+    """Return the emission and its image, which must be placed like the base colour."""
     strength = 1.0
     if extensions is not None and extensions.has("KHR_materials_emissive_strength"):
         strength = extensions.object("KHR_materials_emissive_strength").number("emissiveStrength", 1.0)
@@ -73,20 +72,20 @@ def _glow(
     if not place.has("emissiveTexture"):
         return (r, g, b), None
     texture = place.object("emissiveTexture")
-    if _lies(texture) != texture_place(place):  # elsewhere it would glow where it should not
+    if _lies(texture) != texture_place(place):  # placed differently, the wrong parts would glow
         return (0.0, 0.0, 0.0), None
     return (r, g, b), image_of(root, texture)
 
 
 def image_of(root: JsonPlace, texture: JsonPlace) -> int | None:
-    """The image that a reference to a texture leads to; None where another kind of image is meant."""
+    """Return the image of a texture reference; None for unsupported kinds of image."""
     source = root.element("textures", texture.whole("index", below=root.length("textures")))
     return source.whole("source", below=root.length("images")) if source.has("source") else None
 
 
 def texture_place(place: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
-    """Which texture coordinates a material's images take, and how they are moved and scaled: as the base colour says,
-    or, without an image of that, the normals or the glow."""
+    """Return the set of texture coordinates of a material's images, their offset and scale: those of the base colour,
+    or, if it has no image, of the normals or the emission."""
     pbr = place.object("pbrMetallicRoughness") if place.has("pbrMetallicRoughness") else None
     if pbr is not None and pbr.has("baseColorTexture"):
         return _lies(pbr.object("baseColorTexture"))
@@ -110,27 +109,27 @@ def _lies(texture: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, fl
 UInt8 = npt.NDArray[np.uint8]
 
 SIDE_LIMIT: Final = 8192
-"""Pixels along a side of an image at most."""
+"""Maximum width or height of an image [pixels]."""
 PIXEL_LIMIT: Final = 150_000_000
-"""Pixels of all images of a character at most."""
+"""Maximum number of pixels of all images of a character."""
 _SIDE: Final = 1024
 _ROOM: Final = 24 << 20
-"""Texels of all layers together."""
+"""Maximum number of texels of all layers."""
 WHOLE: Final = _ROOM // (_SIDE * _SIDE) - 1
-"""So many images keep their size."""
+"""Up to so many images keep their size."""
 _SMALLER: Final = "export the character with images of 1024 or 2048 pixels"
 
 _LINEAR: Final = np.arange(256) / 255.0
 _LINEAR_OF: Final = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.055) ** 2.4)
 _ROOTS: Final = np.rint(np.sqrt(_LINEAR_OF) * 255.0).astype(np.uint8)
-"""Square roots of linear light, as all colours of dancers are kept, of sRGB bytes (IEC 61966-2-1)."""
+"""Square root of linear light for each sRGB byte (IEC 61966-2-1); all colours of dancers are stored so."""
 
 
 def read_layers(images: list[bytes], file: str, numbers: frozenset[int] = frozenset()) -> UInt8:
-    """Layers (L, S, S, 4) of an image each, after a white one: square roots of linear RGB, and opacity. Those whose
-    place in `images` is in `numbers` hold no colours, and stay as they are.
+    """Return layers (L, S, S, 4): a white one, then one per image, as square roots of linear RGB, and opacity. Images
+    whose index is in `numbers` hold no colours and are not converted.
 
-    MotionFileError for what is no PNG, JPEG or WebP, is broken, or would take too much room.
+    MotionFileError for a file that is no PNG, JPEG or WebP, is broken, or is too large.
     """
     opened = [_open(data, number, file) for number, data in enumerate(images)]
     if sum(image.width * image.height for image in opened) > PIXEL_LIMIT:
@@ -173,18 +172,18 @@ def _pixels(image: Image.Image, side: int, number: int, file: str) -> UInt8:
 
 Float32 = npt.NDArray[np.float32]
 Layers = dict[tuple[int, bool], int]
-"""Which layer an image is, by its number and whether it holds normals."""
+"""Layer of an image, by its number and whether it holds normals."""
 
 EXTRAS: Final = 32
-"""Materials that the table has, less one; as in surface.glsl."""
+"""Size of the table of extras, one more than its materials; as in surface.glsl."""
 LEFT_OUT: Final = "images of normals and glow are left out: too many, too large or broken"
 
 
 def layers_of(model: Model, worn: list[Material]) -> tuple[UInt8, Layers, tuple[str, ...]]:
-    """All images that are drawn as layers, which is which, and what is told of it.
+    """Return all drawn images as layers, the layer of each, and notes.
 
-    Normals and glow come only where they take nothing from the colours' size, and are left out if they are broken.
-    MotionFileError for colours that are.
+    Normals and emission are only included if the colours keep their size, and left out if they are broken.
+    MotionFileError for broken colours.
     """
     colours = {(each.image, False) for each in worn if each.image is not None}
     glow = {(each.glow_image, False) for each in worn if each.glow_image is not None and max(each.glow) > 0.0}
@@ -204,15 +203,16 @@ def _read(model: Model, wanted: list[tuple[int, bool]]) -> tuple[UInt8, Layers]:
 
 
 def extras_of(materials: list[Material | None], layers: Layers) -> Float32:
-    """Normals and glow of material n in rows 2 (n + 1) and the next, shape (2 EXTRAS, 4): layer of the normals
-    (0: none), their strength, layer of the glow, 1 if there is any; its linear RGB. Materials beyond that have none."""
+    """Return the table of normals and emission, shape (2 EXTRAS, 4). Material n has rows 2 (n + 1) and the next: layer
+    of the normals (0: none), their strength, layer of the emission, 1 if there is any; its linear RGB. Materials
+    beyond the table have none."""
     rows = np.zeros((2 * EXTRAS, 4), np.float32)
     for number, material in enumerate(materials[: EXTRAS - 1], start=1):
         if material is None:
             continue
         bumps = 0 if material.normal is None else layers.get((material.normal, True), 0)
         glow = 0 if material.glow_image is None else layers.get((material.glow_image, False), -1)
-        glows = glow >= 0 and max(material.glow) > 0.0  # without its image it would glow all over
+        glows = glow >= 0 and max(material.glow) > 0.0  # without its image the whole material would glow
         rows[2 * number] = bumps, material.bumps, max(glow, 0), glows
         rows[2 * number + 1, :3] = material.glow
     return rows

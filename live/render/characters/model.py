@@ -1,4 +1,4 @@
-"""What a character's file holds: surfaces in the rest pose, who moves them, materials (glTF 2.0, VRM 0.x and 1.0)."""
+"""Data of a character file: skinned meshes in the rest pose, and materials (glTF 2.0, VRM 0.x and 1.0)."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -10,59 +10,59 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 TRIANGLE_LIMIT: Final = 300_000
-"""Triangles that a character may have."""
+"""Maximum number of triangles of a character."""
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """How a part of the surface looks."""
+    """Material of a part of the surface."""
 
     name: str
     colour: tuple[float, float, float, float]
-    """Linear RGB and opacity that the texture is multiplied by."""
+    """Linear RGB and opacity factors of the texture."""
     image: int | None
-    """The image of the base colour, None: only the colour."""
+    """The image of the base colour; None: only the colour."""
     cutoff: float
-    """Where the opacity is less there is nothing; 0: it is opaque."""
+    """Alpha cutoff: pixels with less opacity are not drawn; 0: opaque."""
     two_sided: bool
     rough: float
-    """0 is a mirror, 1 is chalk."""
+    """Roughness: 0 is a mirror, 1 is matt."""
     drawn: bool
-    """Whether the file says that it is lit like a drawing: unlit, MToon."""
+    """Whether the material is unlit or toon-shaded (MToon)."""
     normal: int | None = None
-    """The image of its normals (OpenGL's way: green is up), None: none."""
+    """The normal map (OpenGL convention: green is up); None: none."""
     bumps: float = 1.0
-    """How strong they are."""
+    """Strength of the normal map."""
     glow: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Linear RGB of the light that it gives itself."""
+    """Emission in linear RGB."""
     glow_image: int | None = None
-    """The image that this is multiplied by, None: none."""
+    """The emission's image; None: none."""
 
     @property
     def images(self) -> set[int]:
-        """All images that it needs."""
+        """All images that the material needs."""
         return {image for image in (self.image, self.normal, self.glow_image) if image is not None}
 
     @property
     def has_more(self) -> bool:
-        """Whether it has more than colours: normals, or light of its own."""
+        """Whether the material has normals or emission."""
         return self.normal is not None or max(self.glow) > 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Triangles of one material (V vertices, T triangles, K nodes that move each vertex)."""
+    """Triangles of one material (V vertices, T triangles, K nodes per vertex)."""
 
     position: Float64
-    """In the file's rest pose, in its own metres and axes, shape (V, 3)."""
+    """In the file's rest pose, units and axes, shape (V, 3)."""
     normal: Float64
     """Unit, shape (V, 3)."""
     uv: Float64
-    """Place on the image, shape (V, 2)."""
+    """Texture coordinates, shape (V, 2)."""
     node: Int64
     """The nodes that move each vertex, shape (V, K)."""
     weight: Float64
-    """How much each of them does, rows sum to 1, shape (V, K)."""
+    """Weight of each of these nodes, rows sum to 1, shape (V, K)."""
     triangle: Int64
     """Shape (T, 3)."""
     material: int
@@ -70,11 +70,11 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A character as its file has it (N nodes)."""
+    """A character as read from its file (N nodes)."""
 
     file: str
     size: int
-    """Bytes of the file."""
+    """Size of the file [bytes]."""
     kind: str
     """`VRM 1.0`, `VRM 0.x` or `glTF`."""
     names: tuple[str, ...]
@@ -84,19 +84,19 @@ class Model:
     order: tuple[int, ...]
     """All nodes, parents first."""
     place: Float64
-    """Where each node is in the rest pose, shape (N, 3)."""
+    """Position of each node in the rest pose, shape (N, 3)."""
     joints: frozenset[int]
-    """Nodes that skins name."""
+    """Nodes that skins refer to."""
     bones: dict[str, int]
     """Humanoid bones of a VRM and their nodes; empty for other files."""
     parts: tuple[Part, ...]
     materials: tuple[Material, ...]
     images: tuple[bytes | None, ...]
-    """Files of the images that materials use; None: used by none."""
+    """Bytes of the image files; None: not used by any material."""
     licence: dict[str, str] = field(default_factory=dict)
-    """What the file says of who made it, and who may use it."""
+    """The file's metadata about author and permissions."""
     notes: tuple[str, ...] = ()
-    """What was left out, or is strange."""
+    """Notes about parts that were left out."""
 
     @property
     def triangle_count(self) -> int:

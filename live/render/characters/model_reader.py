@@ -1,4 +1,4 @@
-"""Characters out of glTF, GLB and VRM files, read within bounds; whatever is wrong is a MotionFileError."""
+"""Reader for characters in glTF, GLB and VRM files, with size limits; all errors are MotionFileErrors."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +20,7 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 BYTE_LIMIT: Final = 100_000_000
-"""Bytes that a character's file, or one beside it, may have."""
+"""Maximum size of a character's file, or of one that it refers to [bytes]."""
 IMAGE_LIMIT: Final = 64
 _FAR: Final = 1 << 40
 _TRIANGLES: Final = 4
@@ -28,7 +28,7 @@ _SMALLER: Final = "export it with fewer triangles and images of 1024 pixels (Ble
 
 
 def read_bytes(path: Path) -> bytes:
-    """All bytes of a character's file; MotionFileError if it is not there, no file, or too large."""
+    """Return the bytes of a character's file; MotionFileError if it is missing, not a file, or too large."""
     try:
         if not path.is_file():
             raise MotionFileError(str(path), None, "there is no such file", "a .glb, .gltf or .vrm file expected")
@@ -43,7 +43,7 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_model(path: Path) -> Model:
-    """The character in a .glb, .gltf or .vrm file; other files only from below its folder."""
+    """Return the character in a .glb, .gltf or .vrm file, which may only refer to files below its folder."""
 
     def beside(name: str) -> bytes:
         found, folder = (path.parent / name).resolve(), path.parent.resolve()
@@ -57,7 +57,7 @@ def read_model(path: Path) -> Model:
 
 
 def parse_model(data: bytes, file: str, resolve: Resolve | None = None) -> Model:
-    """The character that a file's bytes hold; `resolve` gives the files beside it."""
+    """Return the character in a file's bytes; `resolve` returns the files that it refers to."""
     try:
         return _Reader(open_gltf(data, file), resolve).read()
     except MemoryError:
@@ -81,7 +81,7 @@ class _Reader:
 
     def read(self) -> Model:
         if not self._root.length("skins"):
-            raise self._root.error("", "has no skin: nothing says how it moves", "export it with its armature")
+            raise self._root.error("", "has no skin, so it cannot be animated", "export it with its armature")
         parts = list(self._parts())
         if not parts:
             raise self._root.error("meshes", "hold no triangles that move with a skin", "export mesh and armature")
@@ -110,7 +110,7 @@ class _Reader:
         return bytes(self._accessors.content(self._root.element("images", number)))
 
     def _matrices(self) -> Float64:
-        """From each node's space to the world in the rest pose, (N, 4, 4)."""
+        """Return matrices from each node's space to the world in the rest pose, (N, 4, 4)."""
         matrix = np.tile(np.eye(4), (self._nodes.count, 1, 1))
         for node in self._nodes.order:
             rest = self._nodes.rest(node)
@@ -132,11 +132,11 @@ class _Reader:
                 continue
             mesh = place.whole("mesh", below=self._root.length("meshes"))
             if mesh in own_meshes or node in own_nodes:
-                self._notes.append("meshes for the wearer's own eyes are left out")
+                self._notes.append("meshes for the first-person view are left out")
                 continue
             own = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
             if own is None and not self._carried(node):
-                self._notes.append(f"{self._nodes.name(node)!r} hangs on no bone and is left out")
+                self._notes.append(f"{self._nodes.name(node)!r} is attached to no bone and is left out")
                 continue
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
                 part = self._part(primitive, node, own)
@@ -171,7 +171,7 @@ class _Reader:
         return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number)
 
     def _material_of(self, primitive: JsonPlace, attributes: JsonPlace, count: int) -> tuple[int, Float64]:
-        """Number of the material, and the places on its image (V, 2)."""
+        """Return the number of the material, and texture coordinates (V, 2)."""
         if not primitive.has("material"):
             if PLAIN not in self._materials:
                 self._materials.append(PLAIN)
@@ -192,7 +192,7 @@ class _Reader:
         else:
             numbers = np.arange(count, dtype=np.int64)
         if len(numbers) and not 0 <= int(numbers.min()) <= int(numbers.max()) < count:
-            raise primitive.error("indices", f"name the vertex {numbers.max()} of {count}", "a whole file expected")
+            raise primitive.error("indices", f"refer to vertex {numbers.max()} of {count}", "a whole file expected")
         triangle = numbers[: len(numbers) // 3 * 3].reshape(-1, 3)
         self._triangles += len(triangle)
         if self._triangles > TRIANGLE_LIMIT:
@@ -212,7 +212,7 @@ class _Reader:
         return np.asarray(quaternion.unit(total))
 
     def _bound(self, attributes: JsonPlace, skin: JsonPlace, count: int) -> tuple[Int64, Float64, Float64]:
-        """Nodes (V, K) and weights (V, K) of each vertex, and what brings it to the rest pose, (V, 4, 4)."""
+        """Return nodes (V, K) and weights (V, K) of each vertex, and its matrix to the rest pose, (V, 4, 4)."""
         joints = np.array(skin.wholes("joints", below=self._nodes.count), np.int64)
         numbers, weights = [], []
         for which in range(2):
@@ -223,12 +223,14 @@ class _Reader:
             if len(number) != count or len(weight) != count:
                 raise attributes.error(f"JOINTS_{which}", f"has {len(number)} elements for {count}", "one for each")
             if number.size and not 0 <= int(number.min()) <= int(number.max()) < len(joints):
-                words = f"names the joint {number.max()} of {len(joints)}"
+                words = f"refers to joint {number.max()} of {len(joints)}"
                 raise attributes.error(f"JOINTS_{which}", words, "a file whose references fit expected")
             numbers.append(number)
             weights.append(np.maximum(weight, 0.0))
         if not numbers:
-            raise attributes.error("JOINTS_0", "is missing: nothing moves this mesh", "export it with its armature")
+            raise attributes.error(
+                "JOINTS_0", "is missing, so this mesh cannot be animated", "export it with its armature"
+            )
         number, weight = np.concatenate(numbers, axis=1), np.concatenate(weights, axis=1)
         weight[weight.sum(axis=1) <= 0.0, 0] = 1.0
         weight /= weight.sum(axis=1, keepdims=True)

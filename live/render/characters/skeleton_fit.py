@@ -1,12 +1,9 @@
-"""A character brought onto the engine's skeleton: turned about, made as tall, posed alike, and warped so that every
-joint lies where the dancer's lies. From then on it is moved as the generated bodies are: its feet stand where hers do.
+"""Fitting of characters to the engine's skeleton, so that they can be animated like the generated bodies.
 
-Which node of a character is which of the engine's joints, and which joint every other node goes with.
-
-A smooth warp that brings a character's joints to the dancer's: displacements spread by multiquadrics (Hardy 1971).
-
-Every joint lands exactly; between and around them the displacement changes smoothly, so limbs keep their roundness and
-clothes hold together. Soles come to lie on the floor; head, hands and toes move as a whole.
+A character's nodes are mapped to joints. Then it is rotated, scaled, posed and warped until every joint lies at its
+position in the rest pose. The warp interpolates the joints' displacements with multiquadrics (Hardy 1971): joints are
+matched exactly, and displacement changes smoothly between them, so limbs and clothes keep their shape. Soles lie on the
+floor; head, hands and toes move rigidly.
 """
 
 from collections.abc import Mapping
@@ -26,14 +23,14 @@ NEEDED = (
     "hips", "head", "leftUpperArm", "leftLowerArm", "rightUpperArm", "rightLowerArm", "leftUpperLeg", "leftLowerLeg",
     "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot",
 )  # fmt: skip
-"""Joints without which a character cannot dance."""
+"""Joints that every character must have."""
 
 
 def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
-    """For each of the engine's joints the node of the character, None where there is none.
+    """Return the character's node for each of the engine's joints, or None.
 
-    A VRM says it; other files are known by their names and hierarchy (Mixamo, Rigify, Unreal's mannequin and others);
-    `said` gives nodes by name and rules. MotionFileError if a joint that is needed is missing.
+    VRM files define the mapping; for others it is derived from names and hierarchy (Mixamo, Rigify, Unreal's mannequin
+    and others). `said` overrides it with node names. MotionFileError if a needed joint is missing.
     """
     found: dict[str, int | None] = dict.fromkeys(SKELETON.names)
     if model.bones:
@@ -47,14 +44,14 @@ def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
         some = ", ".join(shown(model.names[node]) for node in sorted(model.joints)[:8])
         raise MotionFileError(
             model.file, None, f"no {', no '.join(missing)} found among its bones ({some} ...)",
-            f'say which they are: joints = {{ {missing[0]} = "NAME" }}',
+            f'define them: joints = {{ {missing[0]} = "NAME" }}',
         )  # fmt: skip
     nodes = [node for node in found.values() if node is not None]
     twice = next((node for node in nodes if nodes.count(node) > 1), None)
     if twice is not None:
         both = [joint for joint, node in found.items() if node == twice]
         words = f"{model.names[twice]!r} would be {' and '.join(both)}"
-        raise MotionFileError(model.file, None, words, "say which they are: joints = { ... }")
+        raise MotionFileError(model.file, None, words, "define them: joints = { ... }")
     return found
 
 
@@ -87,7 +84,7 @@ def _by_names(model: Model) -> dict[str, int | None]:
 
 
 def _numbered_neck(model: Model, found: dict[str, int | None], chest: int) -> None:
-    """Rigify numbers its spine up into the head: what goes on from the chest under the same word is neck and head."""
+    """Find neck and head in Rigify's numbered spine: the bones above the chest with the same name stem."""
     chain = [chest]
     while True:
         word = split_name(model.names[chain[-1]])
@@ -102,7 +99,7 @@ def _numbered_neck(model: Model, found: dict[str, int | None], chest: int) -> No
 
 
 def owners(model: Model, joints: Mapping[str, int | None]) -> list[int]:
-    """For each node the engine's joint that it goes with: its own or that of the nearest above; hips above those."""
+    """Return the engine's joint that moves each node: its own or that of the nearest ancestor; hips if none."""
     own = {node: SKELETON.index(name) for name, node in joints.items() if node is not None}
     result = [SKELETON.index("hips")] * len(model.names)
     for node in model.order:
@@ -118,12 +115,12 @@ Float64 = npt.NDArray[np.float64]
 
 _REST: Final = SKELETON.rest_positions().astype(np.float64)
 _SOFT: Final = 0.05
-"""How far around a joint the warp is nearly the same [m]."""
+"""Radius around a joint in which the displacement is nearly constant [m]."""
 _BLOCK: Final = 20_000
 
 
 def warp(position: Float64, place: Float64, weight: Float64) -> Float64:
-    """Positions (V, 3) warped as joints go from `place` (J, 3) to the rest pose; `weight` (V, J): what is a head."""
+    """Return positions (V, 3), warped so that joints move from `place` (J, 3) to the rest pose; `weight` (V, J)."""
     start, end = _anchors(position, place, weight)
     moved = end - start
     if np.abs(moved).max() < 1e-9:
@@ -146,7 +143,7 @@ def _kernel(a: Float64, b: Float64) -> Float64:
 
 
 def _anchors(position: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64]:
-    """Points of the character and where they go: joints, soles, and what surrounds head, hands and toes."""
+    """Return the warp's control points before and after: joints, soles, and points around head, hands and toes."""
     start, end = [*place], [*_REST]
 
     def carry(joint: int, offset: Float64) -> None:
@@ -183,9 +180,9 @@ _LIMBS: Final = tuple(
         ("UpperArm", "LowerArm"), ("LowerArm", "Hand"), ("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot"),
     )
 )  # fmt: skip
-"""Bones that are turned until they lie as the dancer's: from a joint to the next."""
+"""Bones that are rotated to their directions in the rest pose: from a joint to the next."""
 _SPLIT: Final = 0.035
-"""Over how much on both sides of a joint that the character lacks its skin goes from one bone to the next [m]."""
+"""Half-width of the weight blend at a joint that the character lacks [m]."""
 
 
 def _at(name: str) -> int:
@@ -194,22 +191,22 @@ def _at(name: str) -> int:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """All parts of a character one after the other, in the engine's rest pose (V vertices)."""
+    """All parts of a character, concatenated, in the engine's rest pose (V vertices)."""
 
     position: Float64
     """[m], shape (V, 3)."""
     normal: Float64
     """Unit, shape (V, 3)."""
     weight: Float64
-    """How much each of the engine's joints moves each vertex, rows sum to 1, shape (V, J)."""
+    """Skin weights for the engine's joints, rows sum to 1, shape (V, J)."""
     height: float
-    """How tall the character is in its file [m]."""
+    """Height of the character in its file [m]."""
     moved: float
-    """How far joints lay from the dancer's at most after it was made as tall as she [m]: other proportions."""
+    """Maximum distance of joints from the rest pose after scaling [m], which measures different proportions."""
 
 
 def fit(model: Model, joints: Mapping[str, int | None]) -> Fitted:
-    """Bring a character onto the skeleton; `joints` as `find_joints` has them. MotionFileError if it cannot be."""
+    """Fit a character to the skeleton; `joints` as from `find_joints`. MotionFileError if that is impossible."""
     own = owners(model, joints)
     weight = _weights(model, own)
     position = np.concatenate([part.position for part in model.parts])
@@ -247,7 +244,7 @@ def _weights(model: Model, own: list[int]) -> Float64:
 
 
 def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
-    """Rows: the character's left, up and ahead in its file; up is one of the file's axes."""
+    """Return the character's left, up and forward directions as rows; up is one of the file's axes."""
 
     def at(name: str) -> Float64:
         return np.asarray(model.place[joints[name] or 0])
@@ -265,16 +262,16 @@ def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
 
 
 def _scale(model: Model, place: Float64) -> float:
-    """What makes the head as high over the ankles as the dancer's is."""
+    """Return the scale that makes the height of head over ankles equal to the rest pose's."""
     own = place[_at("head"), 1] - 0.5 * (place[_at("leftFoot"), 1] + place[_at("rightFoot"), 1])
     legs = [np.linalg.norm(place[_at(bone)] - place[_at(tip)]) for bone, tip in _LIMBS if "Hand" not in tip]
     if not own > 1e-6 or min(legs) < 0.01 * own:
-        raise MotionFileError(model.file, None, "some of its bones have no length", "joints = { ... } that are right")
+        raise MotionFileError(model.file, None, "some of its bones have no length", "correct joints = { ... }")
     return float((_REST[_at("head"), 1] - _REST[_at("leftFoot"), 1]) / own)
 
 
 def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
-    """Places for the joints that the character lacks, in `place` (J, 3)."""
+    """Set positions for the joints that the character lacks, in `place` (J, 3)."""
     trunk = [_at(name) for name in _TRUNK]
     for number, joint in enumerate(trunk):
         if known[joint]:
@@ -296,7 +293,7 @@ def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
 
 
 def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
-    """Skin beyond a joint that the character lacks goes with it, and no more with the bone below."""
+    """Move skin weights beyond a joint that the character lacks from its parent to that joint."""
     pairs = [(_TRUNK[n], _TRUNK[n + 1]) for n in range(len(_TRUNK) - 1)]
     pairs += [(side + a, side + b) for side in ("left", "right") for a, b in (("Foot", "Toes"), ("LowerArm", "Hand"))]
     for below, name in pairs:
@@ -316,7 +313,7 @@ def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArra
 
 
 def _posed(position: Float64, normal: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64, Float64]:
-    """Limbs turned until they lie as the dancer's in her rest pose, the skin by blended dual quaternions."""
+    """Rotate limbs to their rest-pose directions, with the skin blended by dual quaternions."""
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (JOINT_COUNT, 1))
     for bone, tip in _LIMBS:
         turn[_at(bone)] = quaternion.from_two_vectors(

@@ -1,4 +1,4 @@
-"""What a VRM says of itself: whose it is and who may use it, first-person meshes, humanoid bones."""
+"""VRM metadata: author and permissions, first-person meshes, humanoid bones."""
 
 from typing import Final
 
@@ -20,7 +20,7 @@ _META_1: Final = {
 
 
 def kind_of(root: JsonPlace) -> str:
-    """`VRM 1.0`, `VRM 0.x` or `glTF`."""
+    """Return `VRM 1.0`, `VRM 0.x` or `glTF`."""
     extensions = root.object("extensions") if root.has("extensions") else None
     if extensions is not None and extensions.has("VRMC_vrm"):
         return "VRM 1.0"
@@ -33,7 +33,7 @@ def _vrm(root: JsonPlace) -> JsonPlace | None:
 
 
 def bones_of(root: JsonPlace, nodes: Nodes) -> dict[str, int]:
-    """Humanoid bones by name, and their nodes; empty for a file that is no VRM."""
+    """Return the nodes of humanoid bones by name; empty if the file is not a VRM."""
     vrm = _vrm(root)
     if vrm is None or not vrm.has("humanoid"):
         return {}
@@ -46,7 +46,7 @@ def bones_of(root: JsonPlace, nodes: Nodes) -> dict[str, int]:
 
 
 def first_person(root: JsonPlace, nodes: Nodes) -> tuple[frozenset[int], frozenset[int]]:
-    """Meshes, and nodes, that only the wearer's own eyes are meant to see."""
+    """Return meshes and nodes that are only for the first-person view."""
     vrm = _vrm(root)
     if vrm is None or not vrm.has("firstPerson"):
         return frozenset(), frozenset()
@@ -62,7 +62,7 @@ def first_person(root: JsonPlace, nodes: Nodes) -> tuple[frozenset[int], frozens
 
 
 def licence_of(root: JsonPlace) -> dict[str, str]:
-    """What the file says of who made it and who may use it, in its own words."""
+    """Return the file's metadata about author and permissions, in its own words."""
     found: dict[str, str] = {}
     vrm = _vrm(root)
     if vrm is not None and vrm.has("meta"):

@@ -1,1 +1,1 @@
-"""Dancers in many: instances, styles, trails, particles. It may import what `render` may."""
+"""Instanced drawing of dancers: styles, trails, particles. Imports are limited as in `render`."""

@@ -1,4 +1,4 @@
-"""The dancers on the graphics side: their poses in a texture, their bodies, their colours, and who is drawn how."""
+"""Instanced drawing of all dancers: pose texture, body meshes, colours and instance lists."""
 
 from typing import Any, Final, Protocol
 
@@ -46,16 +46,16 @@ _NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1",
 
 VERTEX_BYTES: Final = 36
 SHORT: Final = 65_535
-"""Vertices that two bytes can number."""
+"""Maximum number of vertices for 16-bit indices."""
 
 
 def index_bytes(mesh: BodyMesh) -> bytes:
-    """The corners of all triangles, in two bytes each where they suffice, else in four."""
+    """Return the vertex indices of all triangles, in 16 bits if they suffice, else in 32."""
     return mesh.triangle.astype(np.uint32 if len(mesh.position) > SHORT else np.uint16).tobytes()
 
 
 def layout(program: moderngl.Program) -> tuple[str, list[str]]:
-    """Buffer format and attribute names: what the program does not use becomes padding."""
+    """Return buffer format and attribute names; attributes that the program does not use become padding."""
     form, names = [], []
     for name, kind, size in _ATTRIBUTES:
         if name in program:
@@ -67,19 +67,19 @@ def layout(program: moderngl.Program) -> tuple[str, list[str]]:
 
 
 def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
-    """Room for the poses of so many dancers (see `pose_texels`); ValueError if the driver has none."""
+    """Create a texture for the poses of `capacity` dancers (see `pose_texels`); ValueError if it is too large."""
     limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
     rows = min(capacity, limit)
     width = -(-capacity // rows) * 2 * JOINT_COUNT
     if width > limit:
-        raise ValueError(f"{capacity} dancers: this graphics driver holds {limit // (2 * JOINT_COUNT) * limit}")
+        raise ValueError(f"{capacity} dancers: this graphics driver can hold {limit // (2 * JOINT_COUNT) * limit}")
     texture = ctx.texture((width, rows), 4, dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
 class Crowd:
-    """Owns pose texture, instance lists, bodies and the groups' styles; `update` once a frame."""
+    """Pose texture, instance lists, bodies and the groups' styles; call `update` once a frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
         if scene.joint_count != JOINT_COUNT:
@@ -89,11 +89,11 @@ class Crowd:
         """The joints in the rest pose [m], shape (J, 3)."""
         self.styles = GroupStyles(ctx)
         self.body_names = bodies_of(scene)
-        """The bodies that dancers of this scene have."""
+        """Names of the bodies in this scene."""
         self._scene = scene
         self._worn = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
         self.reach = max((one.reach for one in self._worn.values()), default=0.0)
-        """How far characters reach beyond their joints at most [m]."""
+        """Maximum distance of characters' surfaces from their joints [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._dressed: set[int] = set()
@@ -103,22 +103,22 @@ class Crowd:
         self.look_from(scene.camera, size)
 
     def fit(self, scene: Scene) -> None:
-        """Take the colours of a scene, and room for its dancers."""
+        """Set the colours of a scene, and allocate for its dancers."""
         self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
 
     def look_from(self, camera: Camera, size: tuple[int, int]) -> None:
-        """Take a camera and the picture's size: only who may be seen is drawn, the nearest ones more finely."""
+        """Set camera and picture size for culling and level of detail."""
         self._sight = Sight.of(camera, size)
 
     def recolour(self, colours: npt.NDArray[np.floating]) -> None:
-        """Take the groups' colours (G, 3), from the next frame on."""
+        """Set the groups' colours (G, 3), from the next frame on."""
         self._colours = colours.astype(np.float32)
         self._group[:] = -1
 
     def restyle(self, row: npt.NDArray[np.float64]) -> None:
-        """Take the groups' styles of a picture's row, from the next frame on."""
+        """Set the groups' styles from a parameter row, from the next frame on."""
         variety, sheen = self.styles.variety, self.styles.sheen
         self.styles.take(row)
         if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
@@ -142,17 +142,17 @@ class Crowd:
 
     @property
     def box(self) -> Float32:
-        """Around the joints of all dancers who are seen, shape (2, 3): lowest and highest x, y, z [m], the lowest above
-        the highest where nobody is."""
+        """Box around the joints of all visible dancers, shape (2, 3): lowest and highest x, y, z [m]; the lowest is
+        above the highest if there are none."""
         return self._instances.box
 
     @property
     def capacity(self) -> int:
-        """How many dancers there is room for; it grows when more of them come."""
+        """Number of dancers that buffers are allocated for; it grows with the number of dancers."""
         return self._capacity
 
     def update(self, view: StageView, light: Float32) -> None:
-        """Upload poses, colours and the lists of instances; `light` (3,): the way towards the key light."""
+        """Upload poses, colours and instance lists; `light` (3,): direction towards the key light."""
         if self.styles.any:
             self.styles.bind()
         count = len(view.joint_position)
@@ -166,7 +166,7 @@ class Crowd:
             self._dress(view, count)
 
     def _dress(self, view: StageView, count: int) -> None:
-        """New clothes, only when somebody changes group, or a group its colours."""
+        """Upload the dancers' colours; only needed if groups or their colours have changed."""
         self._group[:count] = view.group
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
@@ -175,7 +175,7 @@ class Crowd:
         self._wardrobe.write(np.ascontiguousarray(columns))
 
     def count(self, which: str) -> int:
-        """How many dancers are on a list."""
+        """Return the number of dancers on a list."""
         return sum(self._instances.count(which, body) for body in range(len(self.body_names)))
 
     def _mesh(self, key: tuple[Any, ...]) -> tuple[moderngl.Buffer, moderngl.Buffer]:
@@ -196,9 +196,9 @@ class Crowd:
         poses: moderngl.Texture | None = None,
         worn: moderngl.Program | None = None,
     ) -> None:
-        """Draw the bodies of the dancers of a list (`live.render.dancers.group_styles.LISTS`) with a program that
-        includes `skin.glsl`, in the poses of now or in those of a texture like `poses`; characters with `worn`, which
-        shows their own images, if there is one."""
+        """Draw the bodies of the dancers on a list (`live.render.dancers.group_styles.LISTS`) with a program that
+        includes `skin.glsl`, in the current poses or in those of the texture `poses`; characters with `worn`, which
+        shows their images, if it is given."""
         for body, name in enumerate(self.body_names):
             count = self._instances.count(which, body)
             if count == 0:
@@ -224,8 +224,8 @@ class Crowd:
     def draw_other(
         self, program: moderngl.Program, which: str, make: "VertexMaker", mode: int, vertices: int = -1
     ) -> None:
-        """Draw something else for each dancer of a list: `make(body)` gives its buffer, format and attribute names once
-        for each body; `vertices` of it are drawn, all if -1."""
+        """Draw other geometry for each dancer on a list: `make(body)` returns its buffer, format and attribute names,
+        and is called once per body; `vertices` of it are drawn, all if -1."""
         for body, name in enumerate(self.body_names):
             count = self._instances.count(which, body)
             if count == 0:
@@ -239,7 +239,7 @@ class Crowd:
             self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)
 
     def dress_program(self, program: moderngl.Program) -> None:
-        """Give a program poses, wardrobe and styles."""
+        """Bind poses and wardrobe for a program."""
         if program.glo not in self._dressed:
             self._dressed.add(program.glo)
             set_uniform(program, "poses", POSE_UNIT)
@@ -269,7 +269,7 @@ class Crowd:
 
 
 class VertexMaker(Protocol):
-    """Gives the vertices of what is drawn for a dancer with a body of that name."""
+    """Factory of the vertices that are drawn for a dancer with a given body."""
 
     def __call__(self, body: str) -> tuple[Any, ...]:
-        """Buffer, format, attribute names."""
+        """Return buffer, format and attribute names for the body of that name."""

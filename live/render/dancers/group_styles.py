@@ -1,6 +1,6 @@
-"""The styles of all groups as one block of uniforms, and which groups need which way of drawing.
+"""Styles of all groups as a uniform block, the draw lists that they need, and each dancer's colours.
 
-What each dancer wears: cloth in the group's colour, tights, skin and hair, no two dancers quite alike.
+A dancer's colours are cloth in the group's colour, tights, skin and hair, with individual variation.
 """
 
 from typing import Final
@@ -23,8 +23,8 @@ LISTS: Final = (
     "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",
     "trails", "xray",
 )  # fmt: skip
-"""Ways of drawing: `all` cast shadows, `mirrored` are seen in the floor, `near` and `far` are lit bodies and nothing
-else; the others are drawn in a style."""
+"""Draw lists: `all` cast shadows, `mirrored` are visible in the floor, `near` and `far` are plain lit bodies; the
+others are drawn in a style."""
 _PLAIN: Final = ("all", "mirrored", "near", "far")
 _PLACES: Final = {name.removeprefix(STYLE_OF_GROUP): known.first - STYLES for name, known in OF_GROUPS.items()}
 _LAYOUT: Final = (
@@ -35,11 +35,11 @@ _LAYOUT: Final = (
     ("trails", "trails/ghosts", "trails/spacing", "pulse"),
     ("emission", "sheen", "variety"),
 )
-"""What stands in each vector, in the order of `styles.glsl`; the seventh is the group's colour."""
+"""Contents of each vector, in the order of `styles.glsl`; the seventh is the group's colour."""
 
 
 def _columns() -> npt.NDArray[np.intp]:
-    """For each number of a group's vectors its place among the group's styles, -1 for none, shape (TEXELS * 4,)."""
+    """Return the style index of each component of a group's vectors, -1 for none, shape (TEXELS * 4,)."""
     columns = np.full((STYLE_TEXELS, 4), -1)
     for row, names in enumerate(_LAYOUT):
         places: list[int] = []
@@ -55,30 +55,30 @@ _USED: Final = np.flatnonzero(_COLUMNS >= 0)
 
 
 class GroupStyles:
-    """Owns the block; `take` when the picture's row has changed. The masks are by group, shape (16,)."""
+    """The block; call `take` if the parameter row has changed. Masks are by group, shape (16,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._data = np.zeros((GROUPS, STYLE_TEXELS * 4), np.float32)
         self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
         self.any = False
-        """Whether any group is drawn otherwise than as plain lit bodies."""
+        """Whether any group is not drawn as plain lit bodies."""
         self.plain: Bool = np.ones(GROUPS, np.bool_)
-        """Groups whose dancers are lit bodies and nothing else in their bodies' place."""
+        """Groups whose bodies are drawn plain and lit."""
         self.masks: dict[str, Bool] = {}
-        """By way of drawing, the groups that need it: bodies, casting (a shadow), ink, particles, ribbons, trails,
+        """The groups that need each kind of drawing: bodies, casting (a shadow), ink, particles, ribbons, trails,
         xray."""
         self.ways: Int32 = np.full(GROUPS, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
         """For each group the bits of the `LISTS` that its dancers are on, shape (16,)."""
         self.spacing = np.ones(GROUPS)
         """Beats between ghosts."""
         self.share = 1.0
-        """How many of a dancer's points the group with the most of them shows, 0 to 1."""
+        """Largest share of a dancer's points that any group shows, 0 to 1."""
         self.variety: Float32 = np.full(GROUPS, 0.2, np.float32)
         self.sheen: Float32 = np.ones(GROUPS, np.float32)
-        """How much the clothes of each group's dancers differ and shine."""
+        """Variation and sheen of the clothes by group."""
 
     def take(self, row: Float64) -> None:
-        """Take a picture's row, shape (live.base.picture_parameters.SIZE,)."""
+        """Apply a parameter row, shape (live.base.picture_parameters.SIZE,)."""
         own = row[STYLES:].reshape(GROUPS, STYLE_SIZE)
         self._data[:, _USED] = own[:, _COLUMNS[_USED]]
         self._data[:, 24:27] = row[COLOURS:STYLES].reshape(GROUPS, 3)
@@ -110,7 +110,7 @@ class GroupStyles:
         return bits
 
     def bind(self) -> None:
-        """Make the block the one that programs read."""
+        """Bind the block."""
         self._buffer.bind_to_uniform_block(STYLES_BINDING)
 
     def release(self) -> None:
@@ -124,15 +124,15 @@ SKIN: Final = 2
 HAIR: Final = 3
 MATERIALS: Final = 4
 WHO: Final = 4
-"""After her clothes: the dancer's group (as it is, no square root), and three numbers by chance."""
+"""Texel after the materials: the dancer's group (no square root), and three random numbers."""
 WARDROBE_TEXELS: Final = 5
-"""Texels of a dancer in the wardrobe texture."""
+"""Texels per dancer in the wardrobe texture."""
 
 _SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
 _DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
 _BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
 _DEPTH: Final = 1.25
-"""Cloth is deeper in colour than the light of its group, because light on it makes it paler again."""
+"""Saturation of cloth relative to the group's colour, because light on it makes it paler."""
 _VARIETY: Final = 0.2
 _SEED: Final = 7
 
@@ -140,10 +140,10 @@ _SEED: Final = 7
 def dress(
     group: Int32, colours: Float32, variety: Float32 | None = None, sheen: Float32 | None = None
 ) -> npt.NDArray[np.uint8]:
-    """Colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 5 texels, 4).
+    """Return the colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 5 texels, 4).
 
-    group (A,) indexes `colours` (G, 3), and `variety` and `sheen` (G,) if given, wrapping round: how much the colours
-    of its dancers differ (0.2 is usual), how much their clothes shine (1). The same dancer always looks the same.
+    group (A,) indexes `colours` (G, 3), `variety` and `sheen` (G,), modulo their length. `variety`: variation of
+    colours in a group (default 0.2); `sheen` of its clothes (default 1). The same dancer always looks the same.
     """
     draw = np.random.default_rng(_SEED).random((len(group), 4))
     differ = np.full((len(group), 1), _VARIETY) if variety is None else variety[group % len(variety)][:, None]

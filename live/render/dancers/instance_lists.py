@@ -1,6 +1,6 @@
-"""Who is drawn how: lists of dancers for each way of drawing and each body, filled anew for every picture.
+"""Instance lists: the dancers to draw for each list and body, refilled for every picture.
 
-Who cannot be in the picture is on none of them: a body beyond its edge costs as many vertices as one in its middle.
+Dancers outside the picture are culled, because their bodies would cost as many vertices as visible ones.
 """
 
 from dataclasses import dataclass
@@ -23,27 +23,28 @@ Int32 = npt.NDArray[np.int32]
 AROUND_JOINTS: Final = 0.35
 """The generated body, in any style, reaches at most this far beyond its joints [m]."""
 FROM_HIPS: Final = 1.35
-"""No joint is farther from the hips than this [m], however she stretches."""
+"""Maximum distance of any joint from the hips [m]."""
 _NEEDS: Final = {
     "all": SHADOWING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": SEEN,
 }  # fmt: skip
-"""Who is on a list; of the others, who is seen and near, or far. What leaves its dancer is drawn wherever she is."""
+"""Visibility bits required by each list; the others need SEEN and NEAR or FAR. Effects that leave their dancer are
+always drawn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sight:
-    """A camera as far as the lists need it."""
+    """View volume of a camera, for culling."""
 
     forward: Float32
-    """The way it looks, a unit vector, shape (3,)."""
+    """View direction, a unit vector, shape (3,)."""
     start: float
-    """Where along that way it stands [m]."""
+    """Position of the camera along that direction [m]."""
     planes: Float32
-    """The sides of what it sees, inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
+    """Planes of the frustum, facing inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
 
     @staticmethod
     def of(camera: Camera, size: tuple[int, int]) -> "Sight":
-        """What a camera sees in a picture of `size` pixels."""
+        """Return the view volume of a camera for a picture of `size` pixels."""
         forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
         rows = world_to_clip(camera, size)
         # Gribb and Hartmann 2001: -w <= x, x <= w, -w <= y, y <= w, -w <= z
@@ -54,15 +55,15 @@ class Sight:
 
 
 class Instances:
-    """The lists of one crowd of at most `capacity` dancers, whose bodies are `body` (A,), 0 to `bodies` - 1."""
+    """Instance lists of at most `capacity` dancers, whose bodies are `body` (A,), 0 to `bodies` - 1."""
 
     def __init__(self, ctx: moderngl.Context, capacity: int, body: Int32, bodies: int) -> None:
         self._body = body
         self._sight = np.zeros(capacity, np.uint8)
         self.drawn = np.zeros(capacity, np.bool_)
-        """Who is on any list, shape (capacity,)."""
+        """Whether each dancer is on any list, shape (capacity,)."""
         self.box = np.zeros((2, 3), np.float32)
-        """Around the joints of all who are seen: lowest and highest x, y, z [m]; lowest above highest: nobody is."""
+        """Box around the joints of visible dancers: lowest and highest x, y, z [m]; lowest above highest if none."""
         self._scratch = np.zeros(capacity, np.float32)
         self._numbers = np.zeros((len(LISTS), bodies, capacity), np.float32)
         self._count = np.zeros((len(LISTS), bodies), np.int32)
@@ -81,19 +82,19 @@ class Instances:
         self._counts: list[list[int]] = self._count.tolist()
 
     def count(self, name: str, body: int) -> int:
-        """How many dancers of a body are on a list."""
+        """Return the number of dancers with a body on a list."""
         return self._counts[self._at[name]][body]
 
     def buffer(self, name: str, body: int) -> moderngl.Buffer:
-        """Their numbers, float32 each."""
+        """Return the buffer of their numbers, float32."""
         return self._buffers[name, body]
 
     def fill(
         self, view: StageView, sight: Sight, light: Float32, quality: Quality, styles: GroupStyles, reach: float
     ) -> bool:
-        """Fill all lists for a moment seen so; returns whether anybody is on any.
+        """Fill all lists for a moment and a view volume; return whether any list has dancers.
 
-        `light` (3,): towards the key light; `reach`: of bodies beyond their joints [m], where that is more than usual.
+        `light` (3,): direction towards the key light; `reach`: distance of surfaces from joints [m], if above usual.
         """
         here = self._sight[: len(view.present)]
         sights(view.joint_position, view.present, sight.planes, light, FROM_HIPS + max(reach, AROUND_JOINTS), here)

@@ -1,7 +1,4 @@
-"""Where hands and feet have been in the last beats: what ribbons are drawn from. Kept while there are ribbons.
-
-The poses in which dancers were at earlier beats, from which ghosts are drawn; kept while there are any.
-"""
+"""Motion history for trails: paths of hands and feet for ribbons, and poses at earlier beats for ghosts."""
 
 import math
 from typing import Final
@@ -20,7 +17,7 @@ from live.render.render_kernels import limb_tips
 Float32 = npt.NDArray[np.float32]
 
 PER_BEAT: Final = 12
-"""Samples in a beat; between them the ribbon is a smooth curve."""
+"""Samples per beat; the ribbon is a smooth curve between them."""
 SAMPLES: Final = int(LONGEST_RIBBON) * PER_BEAT + 6
 LIMBS: Final = 4
 """Left and right hand, left and right foot."""
@@ -31,9 +28,9 @@ _TIPS: Final = np.array([[0.12, -0.01, 0.0], [-0.12, -0.01, 0.0], [0.0, -0.005, 
 
 
 class LimbHistory:
-    """A ring of samples at every twelfth of a beat, in rows of a texture, and a last row of where the limbs are now.
+    """Ring buffer of limb positions at every twelfth of a beat, in rows of a texture; the last row is the current one.
 
-    Samples lie exactly on their beats whatever the frame rate is: between two pictures the way is taken as even.
+    Samples lie exactly on their beats at any frame rate: positions between two frames are interpolated linearly.
     """
 
     def __init__(self, ctx: moderngl.Context, capacity: int) -> None:
@@ -51,14 +48,14 @@ class LimbHistory:
         self.forget()
 
     def forget(self) -> None:
-        """Nothing is known of what was."""
+        """Clear the history."""
         self.valid = 0
-        """Samples that are known, the newest first."""
+        """Number of valid samples, counted from the newest."""
         self._beat = math.nan
         self._grid = 0
 
     def update(self, view: StageView, capacity: int) -> None:
-        """Take a moment, the next one or (after a jump) any other."""
+        """Add a moment; after a jump the history is cleared."""
         if capacity != self._capacity:
             self.texture.release()
             self._allocate(capacity)
@@ -83,7 +80,7 @@ class LimbHistory:
 
     @property
     def ring(self) -> tuple[float, float, float, float]:
-        """Row of the newest sample, how many rows there are, beats since it, samples in a beat."""
+        """Row of the newest sample, number of rows, beats since that sample, samples per beat."""
         return float(self._grid % SAMPLES), float(SAMPLES), self._beat - self._grid / PER_BEAT, float(PER_BEAT)
 
     def release(self) -> None:
@@ -92,11 +89,11 @@ class LimbHistory:
 
 
 _LEAP: Final = 16.0
-"""Beats in one picture beyond which the show has jumped."""
+"""More beats than this between two pictures are a jump."""
 
 
 class PoseHistory:
-    """A ring of pose textures; a group's dancers leave a ghost whenever the beat is a multiple of their spacing."""
+    """Ring buffer of pose textures; a group leaves ghosts at every multiple of its spacing in beats."""
 
     def __init__(self, ctx: moderngl.Context, capacity: int) -> None:
         self._ctx = ctx
@@ -110,13 +107,13 @@ class PoseHistory:
         self.forget()
 
     def forget(self) -> None:
-        """There are no ghosts."""
-        self._left = np.full((MOST_GHOSTS, GROUPS), np.nan)  # the beat at which each was left
+        """Remove all ghosts."""
+        self._left = np.full((MOST_GHOSTS, GROUPS), np.nan)  # beat of each ghost
         self._next = np.zeros(GROUPS, np.int64)
         self._beat = math.nan
 
     def update(self, view: StageView, crowd: Crowd) -> None:
-        """Take a moment whose poses `crowd` holds already."""
+        """Add a moment whose poses `crowd` already holds."""
         if crowd.capacity != self._capacity:
             release_all(*self.textures)
             self._allocate(crowd.capacity)
@@ -132,7 +129,7 @@ class PoseHistory:
         self._beat = beat
 
     def _leave(self, group: int, beat: float, view: StageView, crowd: Crowd) -> None:
-        """The dancers of a group leave their poses of now."""
+        """Store the current poses of a group's dancers as ghosts."""
         slot = int(self._next[group]) % MOST_GHOSTS
         self._next[group] += 1
         self._left[slot, group] = beat
@@ -146,7 +143,7 @@ class PoseHistory:
         self.textures[slot].write(self._texels[slot])
 
     def ages(self, slot: int) -> Float32:
-        """Beats since each group's ghosts in a slot were left, -1 where there are none, shape (16,)."""
+        """Return the age of each group's ghosts in a slot [beats], -1 if there are none, shape (16,)."""
         return np.asarray(np.nan_to_num(self._beat - self._left[slot], nan=-1.0), np.float32)
 
     def release(self) -> None:

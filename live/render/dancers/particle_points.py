@@ -1,4 +1,4 @@
-"""Points spread evenly over a body's skin, each with chances of its own: what a dancer of particles is made of."""
+"""Points spread evenly over a body's skin, with random numbers, for dancers drawn as particles."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +19,7 @@ _SEED: Final = 11
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyPoints:
-    """P points in the order in which they appear: the first ones alone are spread as evenly as all of them."""
+    """P points in order of appearance; any first n of them are spread evenly, too."""
 
     position: Float32
     """In the rest pose [m], shape (P, 3)."""
@@ -28,19 +28,19 @@ class BodyPoints:
     joint: Int32
     """The joints that move each point, shape (P, 4)."""
     weight: Float32
-    """How much each of them does, rows sum to 1, shape (P, 4)."""
+    """Weight of each of these joints, rows sum to 1, shape (P, 4)."""
     chance: Float32
-    """Place in the order from 0 to 1, and three numbers by chance, shape (P, 4)."""
+    """Rank in the order from 0 to 1, and three random numbers, shape (P, 4)."""
 
 
 @cache
 def build_points(count: int, name: str = USUAL) -> BodyPoints:
-    """So many points on the body of that name; the same ones each time."""
+    """Return `count` points on the body of that name; deterministic."""
     return points_on(build_body(LIGHT, name), count)
 
 
 def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
-    """So many points on a surface; the same ones each time."""
+    """Return `count` points on a surface; deterministic."""
     draw = np.random.default_rng(_SEED)
     corners = mesh.triangle[_chosen(mesh, count)]
     share = _within(draw.random((count, 2)))
@@ -60,7 +60,7 @@ def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
 
 
 def _chosen(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
-    """A triangle for each point, by area; van der Corput's sequence, so that any first ones lie evenly."""
+    """Return a triangle for each point, by area, with the van der Corput sequence, so that any first n are even."""
     a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(np.float64) for corner in range(3))
     area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
     place = np.zeros(count)
@@ -72,6 +72,6 @@ def _chosen(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
 
 
 def _within(draw: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Even places within triangles, as shares of their corners, shape (N, 3)."""
+    """Return uniform barycentric coordinates for random numbers (N, 2), shape (N, 3)."""
     root = np.sqrt(draw[:, 0])
     return np.column_stack([1.0 - root, root * (1.0 - draw[:, 1]), root * draw[:, 1]])

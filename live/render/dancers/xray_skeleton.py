@@ -1,4 +1,4 @@
-"""The bones that an x-ray shows: lines between places that hang on joints, in the rest pose."""
+"""Bones of the x-ray style: lines between points attached to joints, in the rest pose."""
 
 import itertools
 from functools import cache
@@ -28,7 +28,7 @@ def _rest(name: str) -> Point:
 
 
 def _spine() -> list[_Line]:
-    """Vertebrae: short thick pieces with gaps between them."""
+    """Return the vertebrae: short thick pieces with gaps between them."""
     lines: list[_Line] = []
     for low, high in itertools.pairwise(_SPINE):
         a, b = np.array(_rest(low)), np.array(_rest(high))
@@ -41,7 +41,7 @@ def _spine() -> list[_Line]:
 
 
 def _ribs() -> list[_Line]:
-    """Six arcs on each side, from the spine round to the breastbone, falling forward."""
+    """Return the ribs: six arcs on each side, from the spine down and forward to the breastbone, and that bone."""
     lines: list[_Line] = []
     for rib, (height, wide, deep) in enumerate(
         ((1.355, 0.085, 0.060), (1.320, 0.105, 0.076), (1.284, 0.116, 0.086), (1.248, 0.120, 0.088),
@@ -115,7 +115,7 @@ def _limbs(side: str, sign: float) -> list[_Line]:
 
 @cache
 def bone_vertices() -> Float32:
-    """Quads of all bones as six vertices each, shape (6 B, 12): begin with its joint, end with its joint, then radius
+    """Return quads of all bones as six vertices each, shape (6 B, 12): start and its joint, end and its joint, radius
     [m], which end, side, brightness."""
     lines = [*_spine(), *_ribs(), *_skull(), *_limbs("left", 1.0), *_limbs("right", -1.0)]
     rows: list[list[float]] = []

@@ -1,1 +1,1 @@
-"""Pictures for files and other programs: video, streams, shared memory. It may import what `render` may."""
+"""Frame output to files and other programs: video, streams, shared memory. It may import what `render` may."""

@@ -1,4 +1,4 @@
-"""Kinds of films by the ending of their name: to be shown, to be cut and graded, to be kept without loss."""
+"""Video container formats and codecs, chosen by file name extension: for playback, for editing, lossless."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,50 +7,50 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True)
 class FilmKind:
-    """How pictures and sound of a film are kept."""
+    """Container, codecs and options of one video format."""
 
     container: str
-    """Name of the format."""
+    """FFmpeg's name of the container format."""
     video: str
-    """Name of the encoder of the pictures ..."""
+    """Name of the video encoder."""
     pixels: str
-    """... its layout of pixels ..."""
+    """Pixel format without alpha."""
     alpha_pixels: str | None
-    """... and that with alpha; None: it has none."""
+    """Pixel format with alpha; None: not supported."""
     audio: str
-    """Name of the encoder of the sound."""
+    """Name of the audio encoder."""
     words: str
-    """What it is, for people."""
+    """Description for people."""
     options: tuple[tuple[str, str], ...] = ()
-    """Options of the encoder of the pictures ..."""
+    """Options of the video encoder without alpha."""
     alpha_options: tuple[tuple[str, str], ...] = ()
-    """... and others with alpha."""
+    """Options of the video encoder with alpha."""
     seconds_whole: float = 2.0
-    """So often there is a picture that needs no other (H.264): as much is lost of an unfinished live film at most."""
+    """Key frame interval [s] (H.264): at most this much of an unfinished live film is lost."""
 
     @property
     def rgb(self) -> bool:
-        """Whether pictures stay as they are drawn, without another space of colours."""
+        """Whether frames stay in RGB, without conversion to YUV."""
         return not self.pixels.startswith("yuv")
 
 
 KINDS: Final = {
-    ".mp4": FilmKind("mp4", "libx264", "yuv420p", None, "aac", "H.264, to be shown"),
+    ".mp4": FilmKind("mp4", "libx264", "yuv420p", None, "aac", "H.264, for playback"),
     ".mov": FilmKind(
         "mov", "prores_ks", "yuv422p10le", "yuva444p10le", "pcm_s16le",
-        "ProRes 422 HQ, with alpha ProRes 4444, to be cut and graded",
+        "ProRes 422 HQ, with alpha ProRes 4444, for editing and grading",
         (("profile", "hq"), ("vendor", "apl0")), (("profile", "4444"), ("vendor", "apl0"), ("alpha_bits", "16")),
     ),
     ".mkv": FilmKind(
-        "matroska", "ffv1", "bgr0", "bgra", "pcm_s16le", "FFV1, without any loss",
+        "matroska", "ffv1", "bgr0", "bgra", "pcm_s16le", "FFV1, lossless",
         (("level", "3"), ("slicecrc", "1")), (("level", "3"), ("slicecrc", "1")),
     ),
 }  # fmt: skip
-"""By the ending of the file's name."""
+"""By file name extension."""
 
 
 def kind_of(path: Path) -> FilmKind:
-    """The kind of a film with this name; ValueError that lists those there are."""
+    """Return the format for this file name. Raises ValueError that lists the known extensions."""
     kind = KINDS.get(path.suffix.lower())
     if kind is None:
         raise ValueError(f"{path}: a film's name ends in {', '.join(KINDS)}")

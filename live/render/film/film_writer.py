@@ -1,4 +1,4 @@
-"""Films: pictures and sound into a file without holding up the frame loop."""
+"""Video file writer: encodes frames and sound in a thread, without blocking the frame loop."""
 
 import contextlib
 import os
@@ -20,7 +20,7 @@ from live.render.film.streams import FilmEncoder, FilmSound
 Picture = npt.NDArray[np.uint8]
 
 _FAILED = -1
-"""Handed out in place of a free slot when the encoder has ended, so that nobody waits for one."""
+"""Queued in place of a free slot when the encoder has ended, so that `write` does not wait for ever."""
 
 
 class FilmError(RuntimeError):
@@ -29,16 +29,16 @@ class FilmError(RuntimeError):
 
 class _Job(NamedTuple):
     slot: int | None
-    """The picture to encode; None at the end of the film."""
+    """The frame to encode; None at the end of the film."""
     repeats: int
-    """How often the picture before it stands in for pictures that were left out."""
+    """How often the previous frame is repeated first, in place of dropped frames."""
 
 
 class PictureWriter(Protocol):
-    """What takes the pictures of a film, one after the other."""
+    """A sink for the frames of a film, in order."""
 
     def write(self, picture: Picture, count: int = 1) -> None:
-        """Add one picture for so many frames."""
+        """Add one picture that is shown for `count` frames."""
 
     def close(self) -> None:
         """Complete the film."""
@@ -50,19 +50,19 @@ class PictureWriter(Protocol):
 
 
 class FilmWriter:
-    """Writes one film of a constant frame rate, of the kind that its name ends in (`film_kinds.py`); encodes in a
-    thread of its own behind a few preallocated pictures.
+    """Writes one film with a constant frame rate, in the format of its file name extension (`container_formats.py`).
 
-    `size`: width and height of the pictures that come in [pixels]; an odd one loses its last column or row, which
-    `notes` tells. `sound`: see `FilmSound`; it becomes exactly as long as the picture.
-    `alpha`: pictures are RGBA, straight, as `MattePass` draws them.
-    `live`: when the encoder is behind, a picture is left out, counted in `dropped`, and the one before it stands
-    longer, so that the film keeps time and the show is never held up; otherwise `write` waits. A live film is
-    written in fragments (mp4): even when the machine loses its power, what was written until then can be played.
+    Encodes in its own thread behind a few preallocated frames.
+    `size`: width and height of the incoming frames [pixels]; an odd size loses its last column or row, which is
+    reported in `notes`. `sound`: see `FilmSound`; it is cut or padded to the length of the video.
+    `alpha`: frames are RGBA with straight alpha, as `MattePass` draws them.
+    `live`: when the encoder is behind, a frame is dropped and counted in `dropped`, and the previous frame is repeated,
+    so that the film keeps time and the show is never delayed; otherwise `write` waits. A live film is written in
+    fragments (mp4): after a power failure, the part written so far can be played.
 
-    Raises ValueError for a name, size or rate that no film has, and for alpha where its kind has none; `FilmError` at
-    once when the file cannot be begun (missing folder, no right to write, no codec); later failures (a full disk)
-    surface once, at the next `write` or at `close`, after which further pictures are ignored.
+    Raises ValueError for an invalid name, size or rate, and for alpha where the format has none; `FilmError` at once
+    when the file cannot be opened (missing folder, no write permission, no codec). Later failures (a full disk) are
+    raised once, by the next `write` or by `close`; further frames are then ignored.
     Thread: `write` and `close` from one thread.
     """
 
@@ -119,7 +119,7 @@ class FilmWriter:
     def write(self, picture: Picture, count: int = 1) -> None:
         """Add one picture, uint8 RGB (RGBA) of shape (height, width, 3 or 4), top row first; it is copied.
 
-        It stands for `count` frames: what is shown longer costs hardly more.
+        It is shown for `count` frames; repeated frames cost hardly more.
         """
         if picture.shape != self._input_shape or picture.dtype != np.uint8:
             raise ValueError(
@@ -143,7 +143,7 @@ class FilmWriter:
         self._repeats = count - 1
 
     def close(self) -> None:
-        """Finish the film: wait for the encoder and complete the file; a second call does nothing."""
+        """Wait for the encoder and complete the file; a second call does nothing."""
         if not self._closed:
             self._closed = True
             self._jobs.put(_Job(None, self._repeats))
@@ -157,7 +157,7 @@ class FilmWriter:
         try:
             self.close()
         except FilmError:
-            if error is None:  # the first error is the one to tell
+            if error is None:  # the first error is reported
                 raise
 
     def _check(self) -> None:
@@ -168,7 +168,7 @@ class FilmWriter:
             raise FilmError(f"{self.path}: the film cannot be written: {reason}") from error
 
     def _run(self, ready: threading.Event) -> None:
-        """The encoder's thread, from the first byte of the file to the last."""
+        """Open the file, encode all frames and close it, in the encoder's thread."""
         try:
             if self._live:
                 give_way()
@@ -182,7 +182,7 @@ class FilmWriter:
                 container.start_encoding()
                 ready.set()
                 self._encode_all(encoder)
-        except BaseException as error:  # whatever it was, it surfaces in the thread that writes
+        except BaseException as error:  # raised again in the thread that calls `write`
             self._failure = error
         finally:
             self._free.put(_FAILED)
@@ -201,7 +201,7 @@ class FilmWriter:
 
 
 def give_way() -> None:
-    """Let the show go first: lower the priority of this thread, and of those of the encoder that it will start."""
+    """Lower the priority of this thread, and of the encoder threads that it will start, below the show's."""
     if sys.platform == "linux":
         thread = threading.get_native_id()
         with contextlib.suppress(OSError):
@@ -209,7 +209,7 @@ def give_way() -> None:
 
 
 def pixels_of(source: Any, channels: int) -> Picture:
-    """The pixels of an RGB or RGBA frame as an array (height, width, channels) on its own memory."""
+    """Return the pixels of an RGB or RGBA frame as an array (height, width, channels) that shares its memory."""
     plane = source.planes[0]
     rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)
     return rows[:, : source.width * channels].reshape(source.height, source.width, channels)

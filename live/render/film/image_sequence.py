@@ -1,4 +1,4 @@
-"""A film as a folder of PNG pictures, one for each frame, with the sound beside them as a WAV file."""
+"""Image sequence writer: a folder of PNG files, one per frame, with the sound as a WAV file."""
 
 import wave
 from collections import deque
@@ -21,19 +21,19 @@ Picture = npt.NDArray[np.uint8]
 
 SOUND: Final = "sound.wav"
 _AT_ONCE: Final = 2
-"""Pictures that are compressed at the same time."""
+"""Frames that are compressed at the same time."""
 _WAITING: Final = 4
-"""Pictures that may wait for it; after that the writer waits."""
+"""Frames that may be queued for compression; beyond that `write` waits."""
 _COMPRESSION: Final = 3
-"""Of zlib: twice as fast as usual, a tenth larger."""
+"""zlib level: twice as fast as the default, files a tenth larger."""
 
 
 class PictureFolder:
-    """Writes pictures like `FilmWriter`, as PNG in sRGB, numbered from 1.
+    """Writes frames like `FilmWriter`, as PNG in sRGB, numbered from 1.
 
-    `path`: the name of a picture with a printf number in it, `frames/%05d.png`; the folder is made if its parent is
-    there. `size`: width and height [pixels]. `alpha`: pictures are RGBA, straight. Pictures that are there are written
-    over. Raises `FilmError`: at once for a folder that cannot be made, later, once, for a disk that is full.
+    `path`: the file name with a printf number, `frames/%05d.png`; the folder is created if its parent exists.
+    `size`: width and height [pixels]. `alpha`: frames are RGBA with straight alpha. Existing files are overwritten.
+    Raises `FilmError`: at once if the folder cannot be created; later, once, for a full disk.
     Thread: one; two others compress.
     """
 
@@ -82,7 +82,7 @@ class PictureFolder:
             copyfile(names[0], name)
 
     def _settle(self, left: int) -> None:
-        """Wait until at most so many pictures are not written."""
+        """Wait until at most `left` jobs remain."""
         while len(self._jobs) > left:
             try:
                 self._jobs.popleft().result()
@@ -92,7 +92,7 @@ class PictureFolder:
                 raise self._error(error) from error
 
     def _hear(self) -> None:
-        """Write the sound up to the pictures' length; what is missing is silence."""
+        """Write the sound up to the length of the video; missing samples are silence."""
         if self._wave is None or self._sound is None:
             return
         due = round(self.frames / self.fps * self._sound.rate)
@@ -111,7 +111,7 @@ class PictureFolder:
         return FilmError(f"{self.path}: the pictures cannot be written: {error.strerror or error}")
 
     def close(self) -> None:
-        """Wait for the last picture and complete the sound; a second call does nothing."""
+        """Wait for the last frame and complete the sound; a second call does nothing."""
         if self._closed:
             return
         try:
@@ -131,12 +131,12 @@ class PictureFolder:
         try:
             self.close()
         except FilmError:
-            if error is None:  # the first error is the one to tell
+            if error is None:  # the first error is reported
                 raise
 
 
 def _wave_file(path: Path, sound: FilmSound) -> wave.Wave_write:
-    written = wave.open(str(path), "wb")  # noqa: SIM115 (it is closed with the last picture)
+    written = wave.open(str(path), "wb")  # noqa: SIM115 (closed with the last frame)
     written.setnchannels(sound.channels)
     written.setsampwidth(2)
     written.setframerate(sound.rate)

@@ -1,4 +1,4 @@
-"""The picture for other programs and machines: an MPEG transport stream over the network, H.264 of low delay."""
+"""Network video stream: an MPEG transport stream with low-latency H.264 for other programs and machines."""
 
 import threading
 from fractions import Fraction
@@ -16,21 +16,21 @@ from live.render.film.streams import FilmEncoder, FilmSound
 Picture = npt.NDArray[np.uint8]
 
 SCHEMES: Final = ("udp", "rtp", "tcp", "srt")
-"""Protocols that are known; SRT only where PyAV was built with it."""
+"""Supported protocols; SRT only where PyAV was built with it."""
 STREAM: Final = FilmKind(
     "mpegts", "libx264", "yuv420p", None, "aac", "MPEG-TS",
     (("preset", "ultrafast"), ("tune", "zerolatency"), ("crf", "23")), seconds_whole=0.5,
 )  # fmt: skip
 SLOTS: Final = 3
-"""Pictures that wait for the encoder at most."""
+"""Maximum number of frames that wait for the encoder."""
 PACKETS: Final = "?pkt_size=1316"
-"""Seven packets of a transport stream in each datagram: more would be cut on the way."""
+"""Seven transport stream packets in each datagram: more would be fragmented on the network."""
 AGAIN: Final = 1.0
-"""After a failure the stream is opened again after so many seconds."""
+"""Seconds from a failure until the stream is opened again."""
 
 
 def has_srt() -> bool:
-    """Whether this PyAV can speak SRT."""
+    """Whether this build of PyAV supports SRT."""
     try:
         with av.open("srt://127.0.0.1:1?connect_timeout=1&timeout=1", "r", timeout=0.2):
             return True
@@ -41,11 +41,11 @@ def has_srt() -> bool:
 
 
 class SharedStream:
-    """Sends pictures of one size to `url` (`udp://HOST:PORT`, `rtp://`, `tcp://`, `srt://`).
+    """Sends frames of one size to `url` (`udp://HOST:PORT`, `rtp://`, `tcp://`, `srt://`).
 
-    A thread encodes and sends; a picture that comes while `SLOTS` others wait is left out and counted in `dropped`,
-    and so is what comes while nobody listens (TCP, SRT): the stream is opened again every second. `sound`: sent
-    beside the picture. Raises ValueError for a url that is none of these. Thread: `write` and `close` from one.
+    A thread encodes and sends. A frame that arrives while `SLOTS` others wait is dropped and counted in `dropped`, and
+    so are frames while no receiver is connected (TCP, SRT): the stream is opened again every second. `sound`: sent with
+    the video. Raises ValueError for any other url. Thread: `write` and `close` from one.
     """
 
     def __init__(
@@ -56,9 +56,9 @@ class SharedStream:
         self.url, self.fps = url, Fraction(fps).limit_denominator(1001)
         self.size = (size[0] - size[0] % 2, size[1] - size[1] % 2)
         self.sent = self.dropped = self.opened = 0
-        """Frames that were sent, pictures left out, times that the stream was opened."""
+        """Frames sent, frames dropped, number of times the stream was opened."""
         self.trouble = ""
-        """Why nothing is sent now; empty while all is well."""
+        """Why nothing is sent now; empty while the stream works."""
         self._sound = sound
         self._sources = [av.VideoFrame(*self.size, "rgb24") for _ in range(SLOTS)]
         self._pixels = [pixels_of(source, 3) for source in self._sources]
@@ -82,7 +82,7 @@ class SharedStream:
         self._jobs.put((slot, frame))
 
     def close(self) -> None:
-        """End the stream; a connection that hangs is left to itself."""
+        """End the stream; waits at most 2 s for a hung connection."""
         self._leaving.set()
         self._jobs.put(None)
         self._thread.join(timeout=2.0)
@@ -92,7 +92,7 @@ class SharedStream:
         while not self._leaving.is_set():
             try:
                 self._send_all()
-            except Exception as error:  # whatever it was, the show goes on, and it is tried again
+            except Exception as error:  # the show must not stop: report the error and try again
                 self.trouble = getattr(error, "strerror", None) or str(error) or type(error).__name__
             if self._leaving.wait(AGAIN):
                 return

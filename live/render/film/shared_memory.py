@@ -1,22 +1,22 @@
-"""The picture for other programs of this machine: a ring of pictures in a file that lives in memory.
+"""Ring buffer of frames in shared memory, for other programs on this machine.
 
 All numbers are little-endian. The file begins with a header of 4096 bytes:
 
-| byte | type | what it is |
+| byte | type | content |
 |---|---|---|
 | 0 | 8 bytes | `CGLPIC01` |
 | 8 | uint32 | bytes of the header: 4096 |
 | 12, 16 | uint32 | width, height [pixels] |
 | 20 | uint32 | bytes of a pixel: 3 (R, G, B as shown: sRGB) |
-| 24 | uint32 | places for pictures: 4 |
+| 24 | uint32 | slots for frames: 4 |
 | 28 | uint32 | 1 while the show runs, 0 when it has ended |
-| 32 | uint64 | number of the newest whole picture, from 1; 0: none yet |
-| 64 + 64 i | uint64 | number of the picture in place i; 0 while it is written |
+| 32 | uint64 | number of the newest complete frame, from 1; 0: none yet |
+| 64 + 64 i | uint64 | number of the frame in slot i; 0 while it is written |
 | 72 + 64 i | float64 | when it was drawn [s of the show] |
 
-Picture n lies in place (n - 1) mod 4, which begins at byte 4096 + ((n - 1) mod 4) * width * height * 3, top row first.
-A reader copies the newest picture and then looks whether the number of its place is still n: if not, it was too slow
-and takes the newest again. Writer and readers wait for nobody.
+Frame n is in slot (n - 1) mod 4, which begins at byte 4096 + ((n - 1) mod 4) * width * height * 3, top row first.
+A reader copies the newest frame and then checks that the number of its slot is still n: if not, the reader was too slow
+and reads the newest frame again. Writer and readers never wait for each other.
 """
 
 import contextlib
@@ -45,8 +45,8 @@ _PLACE: Final = np.dtype({"names": ["number", "time"], "formats": ["<u8", "<f8"]
 
 
 def ring_path(name: str) -> Path:
-    """The file of a ring: in /dev/shm where there is one (`shm_open` calls it /NAME), else in the folder for
-    temporary files. ValueError for a name that is none."""
+    """Return the file of a ring buffer: in /dev/shm where it exists (`shm_open` calls the file /NAME), else in the
+    folder for temporary files. Raises ValueError for an invalid name."""
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", name):
         raise ValueError(f"{name!r}: letters, digits, dots and dashes expected")
     memory = Path("/dev/shm")
@@ -54,17 +54,17 @@ def ring_path(name: str) -> Path:
 
 
 class SharedRing:
-    """Writes pictures of one size into a ring that other programs read. Thread: one.
+    """Writes frames of one size into a ring buffer that other programs read. Thread: one.
 
-    A ring of this name that is there is replaced: its readers see that it has ended and open the new one. Raises
-    ValueError for a name that is none or a file that is no ring, OSError where it cannot be made.
+    An existing ring buffer of this name is replaced: its readers see that it has ended and open the new one. Raises
+    ValueError for an invalid name or an existing file that is no ring buffer, OSError if it cannot be created.
     """
 
     def __init__(self, name: str, size: tuple[int, int]) -> None:
         self.path, self.size = ring_path(name), size
         self.pictures = 0
         if self.path.exists() and not _end(self.path):
-            raise ValueError(f"{self.path} is there, and no ring of pictures")
+            raise ValueError(f"{self.path} exists and is no ring buffer of frames")
         width, height = size
         fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}.new")
         with fresh.open("w+b") as file:
@@ -78,7 +78,7 @@ class SharedRing:
         fresh.replace(self.path)
 
     def write(self, picture: Picture, time: float) -> None:
-        """Hand over one picture, uint8 RGB (height, width, 3), drawn at `time` [s of the show]."""
+        """Write one frame, uint8 RGB (height, width, 3), drawn at `time` [s of the show]."""
         number = self.pictures + 1
         place = (number - 1) % PLACES
         self._places["number"][place] = 0
@@ -88,11 +88,11 @@ class SharedRing:
         self._head["newest"][0] = self.pictures = number
 
     def close(self) -> None:
-        """Tell readers that the show has ended, and remove the file if it is still this one."""
+        """Mark the ring buffer as ended, and remove the file if no other show has replaced it."""
         if self._memory.closed:
             return
         self._head["open"][0] = 0
-        del self._head, self._places, self._pixels  # a mapping that is looked at cannot be closed
+        del self._head, self._places, self._pixels  # a mapping with views on it cannot be closed
         self._memory.close()
         with contextlib.suppress(OSError):
             if self.path.stat().st_ino == self._inode:
@@ -100,7 +100,7 @@ class SharedRing:
 
 
 def _end(path: Path) -> bool:
-    """Tell the readers of a ring that it has ended; False if the file is none."""
+    """Mark a ring buffer as ended for its readers; False if the file is no ring buffer."""
     with path.open("r+b") as file:
         if file.read(len(MAGIC)) != MAGIC:
             return False

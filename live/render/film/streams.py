@@ -1,7 +1,4 @@
-"""The streams of an open film: pictures of a constant rate, and the sound beside them.
-
-The sound of a film: samples on demand, encoded beside the picture.
-"""
+"""Encoders for the video and audio streams of an open film, and the source of its sound."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,11 +20,11 @@ AAC_RATES = (8000, 11025, 12000, 16000, 22050, 24000, 32000, 44100, 48000, 64000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FilmSound:
-    """Sound of one or two channels at `rate` [Hz], read piece by piece in order as the film grows.
+    """Sound of one or two channels at `rate` [Hz], read in order, piece by piece, as the film grows.
 
-    `read(first, count)` gives the samples from number `first` of the film on, float32 of shape (count, channels),
-    -1 to 1. Fewer than `count` when the rest is not there yet (a live input lags behind the picture): they are
-    asked for again with the next frame, and what is missing at the end is silence.
+    `read(first, count)` returns the samples of the film from number `first` on, float32 of shape (count, channels),
+    -1 to 1. It returns fewer than `count` if the rest is not available yet (a live input lags behind the video): they
+    are requested again with the next frame. Samples missing at the end are silence.
     Thread: `read` is called by the encoder's thread.
     """
 
@@ -37,10 +34,10 @@ class FilmSound:
 
     @staticmethod
     def of(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> "FilmSound":
-        """Sound from an array, shape (n,) or (n, channels); of more than two channels the first two are heard.
+        """Return sound from an array, shape (n,) or (n, channels); of more than two channels the first two are used.
 
-        The film begins at `start` [s] of the array (before 0: silence first). After the array's end there is silence,
-        or with `loop` its beginning again. Raises ValueError for an array of another shape.
+        The film begins at `start` [s] of the array (before 0: silence first). After the end of the array there is
+        silence, or with `loop` the array again. Raises ValueError for an array of another shape.
         """
         if samples.ndim not in (1, 2) or (samples.ndim == 2 and samples.shape[1] == 0):
             raise ValueError(f"sound of shape {samples.shape}: (n,) or (n, channels) is needed")
@@ -62,7 +59,7 @@ class FilmSound:
 
 
 class SoundTrack:
-    """The stream of sound of an open film; keeps as long as the picture."""
+    """The audio stream of an open film, kept as long as the video."""
 
     def __init__(self, container: Any, sound: FilmSound, codec: str = "aac") -> None:
         if sound.channels not in (1, 2) or sound.rate < 1:
@@ -82,7 +79,7 @@ class SoundTrack:
         self._count = 0
 
     def follow(self, seconds: Fraction, *, last: bool = False) -> None:
-        """Encode the sound up to the picture's length [s]; with `last` fill up with silence and finish."""
+        """Encode the sound up to the length of the video [s]; with `last` pad with silence and finish."""
         missing = round(seconds * self._sound.rate) - self._count
         if missing > 0:
             self._encode(self._sound.read(self._count, missing)[:missing])
@@ -96,7 +93,7 @@ class SoundTrack:
     def _encode(self, piece: Samples) -> None:
         if len(piece) == 0:
             return
-        # a NaN or an overdriven input must not end the film: the encoder refuses such samples
+        # a NaN or an overdriven input must not end the film: the encoder rejects such samples
         planes = np.ascontiguousarray(np.clip(np.nan_to_num(piece.T), -1.0, 1.0), np.float32)
         frame = av.AudioFrame.from_ndarray(planes, format="fltp", layout=self._layout)
         frame.sample_rate = self._sound.rate
@@ -110,7 +107,7 @@ class SoundTrack:
 
 
 class FilmEncoder:
-    """Encodes into an open container. Thread: the encoder's alone."""
+    """Encodes video and audio into an open container. Thread: the encoder's only."""
 
     def __init__(
         self,
@@ -123,7 +120,7 @@ class FilmEncoder:
         *,
         alpha: bool = False,
     ) -> None:
-        """`options` of the encoder go before those of the kind; `alpha`: pictures are RGBA."""
+        """`options` of the encoder override those of `kind`; `alpha`: frames are RGBA."""
         self._container, self._kind = container, kind
         self._fps = fps
         self._pixels = kind.pixels if not alpha or kind.alpha_pixels is None else kind.alpha_pixels
@@ -145,7 +142,7 @@ class FilmEncoder:
         """Frames so far."""
 
     def picture(self, source: Any) -> None:
-        """Encode a new picture."""
+        """Encode a new frame."""
         if self._kind.rgb:
             self._last = self._reformatter.reformat(source, format=self._pixels)
         else:
@@ -155,7 +152,7 @@ class FilmEncoder:
         self.repeat()
 
     def repeat(self) -> None:
-        """Encode the last picture (once more), and the sound beside it."""
+        """Encode the last frame (again), and the sound up to its end."""
         self._last.pts, self._last.time_base, self._last.duration = self.count, 1 / self._fps, 1
         self._container.mux(self._stream.encode(self._last))
         self.count += 1
@@ -163,11 +160,11 @@ class FilmEncoder:
             self._track.follow(self.count / self._fps)
 
     def skip(self, frames: int) -> None:
-        """Leave out so many frames: the picture before them stays."""
+        """Leave out `frames` frames: the previous frame is shown longer."""
         self.count += frames
 
     def finish(self) -> None:
-        """Bring out what the encoders still hold."""
+        """Flush the encoders."""
         self._container.mux(self._stream.encode(None))
         if self._track:
             self._track.follow(self.count / self._fps, last=True)

@@ -1,7 +1,7 @@
-"""Output: what one projector shows of the picture, and how it is bent, as plain frozen values.
+"""Settings of one projector output: crop, warp, soft edge, mask, brightness; plain frozen values.
 
-Two spaces, both with x to the right and y down, 0 to 1: the *window*, which is what the projector throws, and the
-*frame*, which is the picture's part that this output shows, upright. Crops are in the whole picture's own 0 to 1.
+Two spaces, both with x to the right and y down, 0 to 1: the *window* is the projected image; the *frame* is the
+part of the picture that this output shows, upright. Crops are in the 0 to 1 space of the whole picture.
 """
 
 from dataclasses import dataclass, field
@@ -17,26 +17,26 @@ UNBENT: Final[tuple[Point, Point, Point, Point]] = ((0.0, 0.0), (1.0, 0.0), (1.0
 """Corners that fill the window: upper left, upper right, lower right, lower left."""
 MESH_LEAST: Final = 2
 MESH_MOST: Final = 17
-"""Points of a mesh in a row, and in a column."""
+"""Smallest and largest number of points of a mesh in a row, and in a column."""
 
 
 @dataclass(frozen=True, slots=True)
 class SoftEdge:
-    """How the picture fades out towards its borders, where another projector's begins."""
+    """Edge blending: how the picture fades out where it overlaps with another projector's."""
 
     left: float = 0.0
     right: float = 0.0
     top: float = 0.0
     bottom: float = 0.0
-    """Breadth of each, as a share of this output's frame."""
+    """Width of each edge, as a share of this output's frame."""
     gamma: float = 2.2
-    """The projector's own: light = signal ** gamma."""
+    """Gamma of the projector: light = signal ** gamma."""
     black: float = 0.0
-    """How much light the projector gives for black, of its white: borders of overlaps are lifted to hide it."""
+    """Black level of the projector as a share of white: areas without overlap are lifted to match overlaps."""
 
     @property
     def is_hard(self) -> bool:
-        """Whether there is none."""
+        """Whether there is no soft edge."""
         return not (self.left or self.right or self.top or self.bottom)
 
 
@@ -46,36 +46,36 @@ class Output:
 
     name: str = "picture"
     monitor: str | None = None
-    """Its monitor, by number, name or place; None: where the show opens anyway."""
+    """Its monitor, by number, name or place; None: the show's default monitor."""
     crop: tuple[float, float, float, float] = WHOLE
-    """Which part of the picture it shows: x, y of its upper left corner, width, height."""
+    """The part of the picture that is shown: x, y of its upper left corner, width, height."""
     corners: tuple[Point, Point, Point, Point] = UNBENT
-    """Where the frame's corners land in the window: upper left, upper right, lower right, lower left."""
+    """Places of the frame's corners in the window: upper left, upper right, lower right, lower left."""
     mesh: tuple[tuple[Point, ...], ...] = ()
-    """Rows of points in the frame, from the upper left one; the regular grid bends nothing. Empty: none."""
+    """Rows of points in the frame, from the upper left one; the regular grid does not warp. Empty: no mesh."""
     rotation: Rotation = 0
-    """The picture is turned so far clockwise [degrees]."""
+    """Clockwise rotation of the picture [degrees]."""
     mirror: bool = False
-    """Left is right, for projection from behind."""
+    """Swap left and right, for rear projection."""
     edge: SoftEdge = field(default_factory=SoftEdge)
     mask: Path | None = None
-    """A picture over the window: black hides, white shows."""
+    """An image over the window: black hides, white shows."""
     brightness: float = 1.0
-    """Share of the light."""
+    """Factor of the light."""
     gamma: float = 1.0
-    """Above 1 darkens the middle tones, to match another projector."""
+    """Values above 1 darken the middle tones, to match another projector."""
 
     @property
     def is_bent(self) -> bool:
-        """Whether it shows anything but an upright part of the picture that fills the window."""
+        """Whether the output is warped, rotated or mirrored."""
         return self.corners != UNBENT or bool(self.mesh) or self.rotation != 0 or self.mirror
 
     @property
     def is_tinted(self) -> bool:
-        """Whether pixels have other values than in the picture."""
+        """Whether pixel values are changed."""
         return not self.edge.is_hard or self.mask is not None or (self.brightness, self.gamma) != (1.0, 1.0)
 
     @property
     def is_plain(self) -> bool:
-        """Whether the window shows the whole picture as it is."""
+        """Whether the window shows the whole picture without changes."""
         return not self.is_bent and not self.is_tinted and self.crop == WHOLE

@@ -1,5 +1,7 @@
-"""Places of the picture in an output's window, and back: crop, rotation, mirror, mesh and corner pin. All are shares,
-0 to 1, to the right and down."""
+"""Coordinate transforms between picture and output window: crop, rotation, mirror, mesh and corner pin.
+
+All coordinates are shares, 0 to 1, x to the right and y down.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +14,7 @@ Float64 = npt.NDArray[np.float64]
 
 
 def picture_place(output: Output, place: Point) -> Point:
-    """What part of the picture lies at a place of the window."""
+    """Return the place of the picture that is shown at a place of the window."""
     back = np.linalg.inv(homography(output.corners)).astype(np.float64)
     x, y = mapped(back, place).tolist()
     part = turned(output) @ (*unbent(output.mesh, (x, y)), 1.0)
@@ -21,7 +23,7 @@ def picture_place(output: Output, place: Point) -> Point:
 
 
 def window_place(output: Output, place: Point) -> Point:
-    """Where a place of the picture lies in the window; beside the mesh as far beside its border."""
+    """Return the place in the window of a place of the picture; outside the mesh, offset from its border."""
     left, top, width, height = output.crop
     matrix = turned(output).astype(np.float64)
     part = np.array([(place[0] - left) / width, (place[1] - top) / height])

@@ -1,7 +1,4 @@
-"""The output pass: draws the picture, or a test card, into one output's window as its projector needs it.
-
-The handle pass: points that can be moved, and a few lines of help, over an output that is being bent.
-"""
+"""Render passes of an output window: warped picture or test card, and the handles of the warp editor."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -21,7 +18,7 @@ from live.render.shader import program, set_uniform
 
 LARGEST_MASK: Final = 8192
 SIGNAL: Final = 2.2
-"""Light is signal to this power."""
+"""Display gamma: light = signal ** SIGNAL."""
 
 _TURNS: Final = {
     0: ((1, 0, 0), (0, 1, 0)),
@@ -29,14 +26,15 @@ _TURNS: Final = {
     180: ((-1, 0, 1), (0, -1, 1)),
     270: ((0, -1, 1), (1, 0, 0)),
 }
-"""By rotation: rows of the matrix from (u, v, 1) of the frame to the upright picture's part."""
+"""By rotation: rows of the matrix from (u, v, 1) of the frame to the cropped picture, upright."""
 
 
 class OutputPass:
-    """Draws one output. Everything is made here and in `set`; it belongs to the context of the output's window."""
+    """Draws one output. GL objects are created here and in `set`, in the context of the output's window."""
 
     def __init__(self, ctx: moderngl.Context, output: Output, number: int = 0, detail: str = "") -> None:
-        """`number`: of the output, from 0, for its tint; `detail`: a line under its name. PersonError for its mask."""
+        """`number`: of the output, from 0, for its tint; `detail`: a line under its name. Raises PersonError if the mask
+        cannot be read."""
         self._ctx = ctx
         shaders = "output_vertex.glsl", "output_fragment.glsl"
         kinds = (
@@ -63,7 +61,7 @@ class OutputPass:
             set_uniform(linked, name, value)
 
     def set(self, output: Output) -> None:
-        """Bend as this output says; its mask, and how it tints, stay."""
+        """Set warp, crop and soft edge from `output`; mask and shader variant do not change."""
         self._output = output
         data = vertices(output)
         self._buffer.write(data)
@@ -77,7 +75,7 @@ class OutputPass:
         self._tell("bent", output.is_bent)
 
     def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
-        """What an audience joins by is this from now on: brightness, row 0 on top, shape (H, W)."""
+        """Set the join card of the audience: brightness, row 0 on top, shape (H, W)."""
         self._sheet.release()
         self._sheet = _grey(self._ctx, np.ascontiguousarray(sheet))
         self._tell("sheet_size", (sheet.shape[1], sheet.shape[0]))
@@ -85,8 +83,8 @@ class OutputPass:
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
     ) -> None:
-        """Draw `picture`, or a test card, over all of `target`; `left`: the share of light that the flash limit
-        leaves."""
+        """Draw `picture`, or a test card, over all of `target`; `left`: the share of light that the flash limit allows.
+        """
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
         drawn = int(card != "off")
@@ -111,7 +109,7 @@ class OutputPass:
 
 
 def turned(output: Output) -> npt.NDArray[np.float32]:
-    """The matrix (2, 3) from (u, v, 1) of the frame to the upright part of the picture: rotation, then mirror."""
+    """Return the matrix (2, 3) from (u, v, 1) of the frame to the cropped picture, upright: rotation, then mirror."""
     matrix = np.array(_TURNS[output.rotation], np.float32)
     if output.mirror:
         matrix[0] = (0.0, 0.0, 1.0) - matrix[0]
@@ -119,7 +117,7 @@ def turned(output: Output) -> npt.NDArray[np.float32]:
 
 
 def read_mask(output: Output) -> npt.NDArray[np.uint8]:
-    """The mask of an output, row 0 on top, shape (H, W); PersonError if it cannot be read."""
+    """Return the mask of an output, row 0 on top, shape (H, W). Raises PersonError if it cannot be read."""
     path = output.mask
     try:
         with Image.open(str(path)) as image:
@@ -127,13 +125,13 @@ def read_mask(output: Output) -> npt.NDArray[np.uint8]:
                 raise PersonError(f"mask {path}: {image.size[0]}x{image.size[1]} pixels", f"at most {LARGEST_MASK}")
             return np.array(image.convert("L"), np.uint8)
     except FileNotFoundError:
-        raise PersonError(f"mask {path}: there is no such file", "give a PNG beside the venue's file") from None
+        raise PersonError(f"mask {path}: there is no such file", "put a PNG next to the venue file") from None
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise PersonError(f"mask {path}: no picture can be read from it: {error}", "save it as PNG") from None
+        raise PersonError(f"mask {path}: cannot be read as an image: {error}", "save it as PNG") from None
 
 
 def _grey(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Texture:
-    """A texture of one channel."""
+    """Create a texture with one channel."""
     texture = ctx.texture((picture.shape[1], picture.shape[0]), 1, picture.tobytes(), alignment=1)
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False
@@ -141,18 +139,19 @@ def _grey(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Tex
 
 
 _LIMIT: Final = 1600
-"""Points and letters at most."""
+"""Maximum number of points and letters together."""
 _LETTERS: Final = 1024
 _PER_HEIGHT: Final = 38
-"""Lines of text that would fill the window."""
+"""Number of text lines that fill the window's height."""
 _RADIUS: Final = 0.022
-"""Of a point's mark, as a share of the window's height."""
+"""Radius of a point's mark, as a share of the window's height."""
 
 Float32 = npt.NDArray[np.float32]
 
 
 class HandlePass:
-    """Belongs to the context of the output's window; letters are baked for its height."""
+    """Draws movable points and help text over an edited output. Belongs to the context of the output's window; the
+    glyph atlas is made for its height."""
 
     def __init__(self, ctx: moderngl.Context, height: int) -> None:
         self._ctx = ctx
@@ -167,7 +166,8 @@ class HandlePass:
         set_uniform(self._program, "atlas", 1)
 
     def draw(self, points: Sequence[Point], chosen: int, lines: tuple[str, ...], target: moderngl.Framebuffer) -> None:
-        """Draw marks at `points` [shares of the window], one of them chosen, and lines of text, over the target."""
+        """Draw marks at `points` [shares of the window], the chosen one highlighted, and lines of text, over the target.
+        """
         size = target.viewport[2:]
         marks = np.concatenate([self._panel(lines, size), self._points(points, chosen, size)])[:_LIMIT]
         self._buffer.write(np.ascontiguousarray(marks, np.float32))
@@ -184,7 +184,7 @@ class HandlePass:
         radius = _RADIUS * size[1]
         marks = np.zeros((len(points), 8), np.float32)
         place = np.array(points, np.float32).reshape(-1, 2) * size
-        inside = np.clip(place, 0.7 * radius, np.array(size) - 0.7 * radius)  # a corner beside the window stays in hand
+        inside = np.clip(place, 0.7 * radius, np.array(size) - 0.7 * radius)  # a corner outside can be grabbed
         marks[:, 0:2], marks[:, 2:4] = inside - radius, 2.0 * radius
         marks[:, 6] = 2.0
         if 0 <= chosen < len(marks):
@@ -192,7 +192,7 @@ class HandlePass:
         return marks
 
     def _panel(self, lines: tuple[str, ...], size: tuple[int, int]) -> Float32:
-        """A panel with lines of text in the lower part of the window."""
+        """Return a panel with lines of text in the lower part of the window."""
         if not lines:
             return np.zeros((0, 8), np.float32)
         cell, inset = self._lettering.cell, 0.6 * self._height

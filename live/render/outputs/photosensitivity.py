@@ -1,11 +1,9 @@
-"""Flash limit: no more than three flashes a second, whatever the show does, by letting no more light through.
+"""Flash limiter for photosensitive viewers: dims frames so that there are at most three flashes per second.
 
-A general flash is a pair of opposing changes of luminance by a tenth of the most there can be, or more, where the
-darker one is below 0.8, on more than a quarter of the picture (W3C, WCAG 2.2, "general flash and red flash thresholds";
-ITU-R BT.1702). Here the picture is told as cells; a rise that would be one too many is cut off just below that tenth.
-Falls cannot be prevented, but each of them needs a rise before it.
-
-Flash meter: luminance and red of a picture's cells, read back without waiting, or at once where that matters.
+A general flash is a pair of opposing changes of luminance by 10 % of the maximum or more, where the darker level is
+below 0.8, on more than a quarter of the picture (W3C, WCAG 2.2, "general flash and red flash thresholds";
+ITU-R BT.1702). The picture is measured in cells; a rise beyond the limit is cut off just below the threshold. Falls
+cannot be prevented, but each needs a rise before it.
 """
 
 from typing import Final
@@ -21,29 +19,29 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 CHANGE: Final = 0.1
-"""A change of luminance by so much counts ..."""
+"""Smallest change of luminance that counts."""
 DARK: Final = 0.8
-"""... where the darker one is below this."""
+"""A change counts if its darker level is below this."""
 RED_CHANGE: Final = 20.0 / 320.0
-"""A change of R - G - B of what is saturated red (R / (R + G + B) of 0.8 or more) by so much counts, however bright."""
+"""Smallest change of R - G - B of saturated red (R / (R + G + B) of 0.8 or more) that counts, at any brightness."""
 ALLOWED: Final = 0.95
-"""What a rise is cut off at, as a share of that change, so that it does not count."""
+"""A rise is cut off at this share of the counting change, so that it does not count."""
 AREA: Final = 0.25
-"""... on so much of the picture."""
+"""Share of the picture that has to change."""
 TOGETHER: Final = 0.12
-"""Cells that change within so many seconds change together."""
+"""Cells that change within this time [s] count as one change."""
 SECOND: Final = 1.0
 MOST: Final = 3
-"""Rises in a second: each flash has one."""
+"""Maximum number of rises in a second: each flash has one."""
 WATCHED: Final = 2
-"""From so many on the luminance of this very picture must be known before it is shown."""
+"""From this number of rises on, the luminance of a frame must be known before it is shown."""
 
 
 class FlashLimit:
-    """Judges pictures in turn; the same pictures at the same times are always judged alike."""
+    """Computes the allowed light of successive frames. Deterministic for the same frames and times."""
 
     def __init__(self, cells: int, *, change: float = CHANGE, dark: float = DARK) -> None:
-        """`cells`: into how many equal parts pictures are divided; `change` and `dark`: what counts."""
+        """`cells`: number of cells of a frame; `change` and `dark`: thresholds, see `CHANGE` and `DARK`."""
         self._change, self._dark = change, dark
         self._low, self._high = np.full(cells, np.inf), np.full(cells, -np.inf)
         self._rising, self._falling = np.zeros(cells, np.bool_), np.zeros(cells, np.bool_)
@@ -53,39 +51,39 @@ class FlashLimit:
         self._turned = -np.inf  # when that was
         self._few = max(int(np.ceil(AREA * cells)) - 1, 0)
         self.held = 0
-        """Pictures whose light was held back."""
+        """Number of dimmed frames."""
 
     def rises(self, time: float) -> int:
-        """Rises in the second before `time` [s]."""
+        """Return the number of rises in the second before `time` [s]."""
         while self._rises and self._rises[0] <= time - SECOND + 1e-9:
             self._rises.pop(0)
         return len(self._rises)
 
     @property
     def is_watching(self) -> bool:
-        """Whether so much has changed lately that each picture must be judged before it is shown."""
+        """Whether there were so many rises lately that each frame must be measured before it is shown."""
         return len(self._rises) >= WATCHED
 
     def judge(self, time: float, luminance: Float64, *, lifted: bool = False) -> float:
-        """The share of light, 0 to 1, at which a picture may be shown at `time` [s].
+        """Return the share of light, 0 to 1, at which a frame may be shown at `time` [s], and record the frame.
 
-        `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: it is shown as it is, and only counted.
+        `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: do not dim the frame, only count.
         """
         left = 1.0 if lifted else self.most(time, luminance)
         self.show(time, luminance * left, held=left < 1.0)
         return left
 
     def most(self, time: float, luminance: Float64) -> float:
-        """The most light, 0 to 1, at which a picture may be shown at `time` [s]."""
+        """Return the maximum share of light, 0 to 1, at which a frame may be shown at `time` [s]."""
         return self._most(time, luminance) if self.rises(time) >= MOST else 1.0
 
     def show(self, time: float, shown: Float64, *, held: bool = False) -> None:
-        """A picture is shown at `time` [s] with this luminance, its light held back or not."""
+        """Record a frame shown at `time` [s] with this luminance; `held`: whether it was dimmed."""
         self.held += held
         self._note(time, shown)
 
     def _most(self, time: float, luminance: Float64) -> float:
-        """The most light at which too few cells rise for that to count."""
+        """Return the maximum share of light at which too few cells rise for a counted change."""
         if self._up:
             return 1.0  # it has risen already: more light is not another change
         free = max(self._few - int(np.count_nonzero(self._rose > time - TOGETHER)), 0)
@@ -95,7 +93,7 @@ class FlashLimit:
         return float(min(np.partition(share, place)[place], 1.0))
 
     def _note(self, time: float, shown: Float64) -> None:
-        """Keep what was shown."""
+        """Update the extremes and directions of all cells."""
         self._low, self._high = np.minimum(self._low, shown), np.maximum(self._high, shown)
         up = (shown - self._low >= self._change) & (self._low < self._dark) & ~self._rising
         down = (self._high - shown >= self._change) & (shown < self._dark) & ~self._falling
@@ -110,8 +108,8 @@ class FlashLimit:
         self._turn(time)
 
     def _turn(self, time: float) -> None:
-        """A change of the whole picture, if enough cells have changed together the other way than the last time, and
-        since then: a fall just before a rise is not one after it."""
+        """Count a change of the whole picture if enough cells have changed together in the opposite direction, all
+        since the last change: a fall just before a rise is not one after it."""
         for rises, since in ((True, self._rose), (False, self._fell)):
             lately = (since > time - TOGETHER) & (since >= self._turned)
             if self._up is not rises and np.count_nonzero(lately) > self._few:
@@ -121,11 +119,11 @@ class FlashLimit:
 
 
 CELLS: Final = (16, 9)
-"""Across and down."""
+"""Number of cells across and down."""
 
 
 class FlashMeter:
-    """Measures pictures; GL objects are made here."""
+    """Measures luminance and saturated red of a frame's cells on the GPU. GL objects are created here."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -140,7 +138,7 @@ class FlashMeter:
         self._turn = 0
 
     def measure(self, picture: moderngl.Texture) -> None:
-        """Begin to measure a picture."""
+        """Start measuring a frame; does not wait for the GPU."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._target.use()
         picture.use(1)
@@ -149,11 +147,11 @@ class FlashMeter:
         self._target.read_into(self._buffers[self._turn], components=2, dtype="f4", alignment=1)
 
     def before(self) -> Float64:
-        """Luminance and saturated red, 0 to 1, of the cells of the picture before the one measured last, (2, 144)."""
+        """Return luminance and saturated red, 0 to 1, of the cells of the last frame but one, shape (2, 144)."""
         return self._read(self._buffers[1 - self._turn])
 
     def now(self) -> Float64:
-        """Of the one measured last; this waits until it is drawn."""
+        """Return the same for the last measured frame; waits until it is drawn."""
         return self._read(self._buffers[self._turn])
 
     def _read(self, buffer: moderngl.Buffer) -> Float64:
@@ -165,19 +163,19 @@ class FlashMeter:
 
 
 class FlashGuard:
-    """Says how much of its light each picture may have. Only where much flashes does it wait for the card."""
+    """Decides how much of its light each frame may have. Waits for the GPU only when there are many flashes."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._meter = FlashMeter(ctx)
         count = CELLS[0] * CELLS[1]
         self.limits = FlashLimit(count), FlashLimit(count, change=RED_CHANGE, dark=np.inf)
-        """Of luminance, and of saturated red."""
+        """For luminance, and for saturated red."""
         self.held = 0
-        """Pictures whose light was held back."""
-        self._open: float | None = None  # the time of a picture that was shown and not judged yet
+        """Number of dimmed frames."""
+        self._open: float | None = None  # the time of a frame that was shown and not recorded yet
 
     def left(self, picture: moderngl.Texture, time: float) -> float:
-        """The share of light, 0 to 1, at which this picture may be shown at `time` [s]."""
+        """Return the share of light, 0 to 1, at which this frame may be shown at `time` [s]."""
         self._meter.measure(picture)
         if self._open is not None:
             for limit, cells in zip(self.limits, self._meter.before(), strict=True):
@@ -196,7 +194,7 @@ class FlashGuard:
         return left
 
     def rest(self) -> None:
-        """Nobody wants to know: the next picture is the first one again."""
+        """Suspend the limit: the next frame counts as the first one."""
         self._open = None
 
     def release(self) -> None:

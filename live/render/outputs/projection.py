@@ -1,11 +1,7 @@
-"""Projection: a show's picture in all its windows: drawn once, then thrown by every output, and seen by the operator.
+"""Projection of a show: renders each frame once and draws it to all output windows and the operator's window.
 
-The renderer belongs to the first output's context; the other windows share its textures. A picture that cannot be
-drawn to its end leaves the last one on the projectors. Only the first display paces the show.
-
-Shown: the whole picture as the projectors show it together, for who takes it elsewhere: films, other programs.
-
-It is not cropped, bent, blended or masked, and no test card is in it; but its light is held back where theirs is.
+The renderer belongs to the first output's context; the other windows share its textures. If rendering fails, the
+projectors keep the last complete frame. Only the first display paces the show.
 """
 
 import contextlib
@@ -30,7 +26,9 @@ from live.render.window.window_input import PointerMoved, PointerPressed, Pointe
 
 
 class Shown:
-    """Costs nothing while nothing flashes; GL objects are made here, and when the picture has another size."""
+    """The whole frame as projected, for films and other programs: without crop, warp, soft edge, mask or test card, but
+    dimmed by the flash limit. Costs nothing while no light is limited. GL objects are created here and for a new size.
+    """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
         self._ctx = ctx
@@ -42,7 +40,7 @@ class Shown:
         self._target = self._ctx.framebuffer([self._texture])
 
     def of(self, pictures: Pictures, left: float) -> moderngl.Framebuffer:
-        """The last picture with so much of its light left."""
+        """Return the last frame with `left` of its light."""
         if left >= 1.0:
             return pictures.last
         if self._texture.size != pictures.size:
@@ -62,23 +60,23 @@ OPERATOR: Final = "operator"
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Which windows are opened, and where."""
+    """The windows to open, and their monitors."""
 
     outputs: tuple[Output, ...] = (Output(),)
     """At least one."""
     monitor: Monitor | None = None
-    """Where an output opens that names none."""
+    """The monitor of outputs that name none."""
     operator: Monitor | None = None
-    """Where the operator's own window opens; None: there is none, and the first output is the operator's, too."""
+    """The monitor of the operator's window; None: no such window, the operator uses the first output."""
     size: tuple[int, int] = (1280, 720)
-    """Of windows that are not full screen [screen coordinates]."""
+    """Size of windows that are not full screen [screen coordinates]."""
     fullscreen: bool = False
     hidden: bool = False
-    """Nobody sees the windows before they are revealed."""
+    """Whether windows stay hidden until `reveal`."""
 
 
 class Projection:
-    """All windows of a show with everything that draws into them. Thread: main thread only."""
+    """All windows of a show and what draws into them. Thread: main thread only."""
 
     def __init__(self, scene: Scene, places: Places) -> None:
         """Raises NoWindow, UnknownMonitor, and PersonError for a mask that cannot be read."""
@@ -91,13 +89,13 @@ class Projection:
 
     def _open(self, scene: Scene, places: Places) -> None:
         self.screens: list[Screen] = []
-        """One for each output, in their order."""
+        """One for each output, in order."""
         for number, output in enumerate(places.outputs):
             self.screens.append(self._screen(output, places, number))
         self.window = self.screens[0].window
-        """The first output's, whose context the renderer draws in."""
+        """The first output's window, whose context the renderer uses."""
         self.operator: Screen | None = None
-        """The operator's own window, if there is one."""
+        """The operator's window, if there is one."""
         if places.operator is not None:
             window = Window(
                 f"{TITLE}: {OPERATOR}", monitor=places.operator, size=places.size, hidden=places.hidden,
@@ -110,15 +108,15 @@ class Projection:
         self._noted = None if self.operator is None else Pictures(self.window.ctx, self.pictures.size)
         self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.size, steps=True)
         self.flashes = FlashGuard(self.window.ctx)
-        """How much of its light each picture may have."""
+        """The flash limiter."""
         self._lifted, self._left = False, 1.0
         self._shown: Shown | None = None
         self._closing.callback(self._release)
         self._draw_once()
 
     def _draw_once(self) -> None:
-        """Drivers compile a program when it first draws: better now than in the show."""
-        for screen in self.all[::-1]:  # the first one last, whose context stays the current one
+        """Draw everything once: drivers compile a program at its first draw, which would delay the show."""
+        for screen in self.all[::-1]:  # the first one last: its context has to stay current
             screen.window.make_current()
             screen.draw_once(self.pictures)
         for time in (-2.0, -1.0):
@@ -138,42 +136,42 @@ class Projection:
 
     @property
     def all(self) -> Sequence[Screen]:
-        """Every screen, the operator's last."""
+        """All screens, the operator's last."""
         return self.screens if self.operator is None else [*self.screens, self.operator]
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the picture [pixels]."""
+        """Width and height of the rendered frame [pixels]."""
         return self.pictures.size
 
     @property
     def fullscreen(self) -> bool:
-        """Whether the outputs are meant to be full screen."""
+        """Whether the outputs are full screen."""
         return self.window.fullscreen
 
     def toggle_fullscreen(self) -> None:
-        """All outputs full screen, or none; the operator's own window stays one."""
+        """Toggle full screen for all outputs; the operator's window stays a window."""
         before = self.fullscreen
         for screen in self.screens:
             if screen.window.fullscreen == before:
                 screen.window.toggle_fullscreen()
 
     def poll(self) -> Iterator[tuple[Screen, WindowInput]]:
-        """What people did at each window since the last call; never waits."""
+        """Yield the inputs at each window since the last call; never waits."""
         for screen in self.all:
             for value in screen.window.poll():
                 yield screen, value
 
     def on_picture(self, screen: Screen, value: WindowInput) -> WindowInput:
-        """An input with the pointer's place in pixels of the picture instead of the window's."""
+        """Return an input with the pointer's place in pixels of the picture instead of the window."""
         if isinstance(value, PointerMoved | PointerPressed | PointerReleased):
             x, y = screen.on_picture((value.x, value.y), self.size)
             return replace(value, x=x, y=y)
         return value
 
     def draw(self, view: StageView) -> None:
-        """Draw the next picture; nobody sees it before `show`. With a window of the operator's own, overlay and guides
-        are seen only there."""
+        """Render the next frame, which becomes visible with `show`. If there is an operator's window, overlay and guides
+        appear only there."""
         self.window.make_current()
         self._fit()
         self._lifted = view.flashes
@@ -193,13 +191,13 @@ class Projection:
         self._noted.take()
 
     def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
-        """The card that an audience joins by is this from now on: brightness, row 0 on top, shape (H, W)."""
+        """Set the join card of the audience: brightness, row 0 on top, shape (H, W)."""
         for screen in self.all[::-1]:
             screen.take_sheet(sheet)
         self.window.make_current()
 
     def take_shaders(self) -> None:
-        """Draw with the shaders as they are now, see `Renderer.take_shaders`; PersonError if one is no program."""
+        """Reload the shaders, see `Renderer.take_shaders`. Raises PersonError if one does not compile."""
         self.window.make_current()
         self.renderer.take_shaders()
         try:
@@ -209,7 +207,7 @@ class Projection:
             self.window.make_current()
 
     def show(self, time: float) -> None:
-        """Throw the last picture on every projector at `time` [s], with no more light than the flash limit leaves."""
+        """Show the last frame on all outputs at `time` [s], dimmed by the flash limit."""
         self._left = left = 1.0
         if self._lifted:
             self.flashes.rest()
@@ -217,7 +215,7 @@ class Projection:
             self._left = left = self.flashes.left(self.pictures.texture, time)
         others = self.all[1:]
         if others:
-            self.window.ctx.finish()  # other contexts see only what is done
+            self.window.ctx.finish()  # other contexts see only completed drawing
         for screen in others:
             screen.window.make_current()
             noted = screen is self.operator and self._noted is not None
@@ -229,11 +227,11 @@ class Projection:
         self.window.swap()
 
     def prepare_shown(self) -> None:
-        """Make what `shown` needs; before the show, if anybody will ask."""
+        """Create what `shown` needs; call it before the show if `shown` will be used."""
         self._shown = Shown(self.window.ctx, self.pictures.size)
 
     def shown(self) -> moderngl.Framebuffer:
-        """The whole picture that was thrown last, with the light that it had there, see `Shown`."""
+        """Return the last shown frame, whole and with its limited light, see `Shown`."""
         return self.pictures.last if self._shown is None else self._shown.of(self.pictures, self._left)
 
     def reveal(self, *, fullscreen: bool) -> None:
@@ -247,7 +245,7 @@ class Projection:
         return picture_size([one.output for one in self.screens], [one.window.size for one in self.screens])
 
     def _fit(self) -> None:
-        """Follow the windows' sizes."""
+        """Adapt the frame size to the sizes of the windows."""
         size = self._wanted_size()
         if size == self.pictures.size:
             return
@@ -271,5 +269,5 @@ class Projection:
             self._noted.release()
 
     def close(self) -> None:
-        """Release what draws and close all windows."""
+        """Release GL objects and close all windows."""
         self._closing.close()

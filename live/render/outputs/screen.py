@@ -1,6 +1,6 @@
-"""Screen: one output in its window, with its pass and the test card that it shows.
+"""Screens: each draws the rendered frame, or a test card, for one output into its window.
 
-Pictures: the show's last picture, and the one that is being drawn; who fails while drawing leaves the last one.
+Frames are double-buffered: if drawing fails, the last complete frame stays.
 """
 
 import math
@@ -20,11 +20,11 @@ from live.render.outputs.warp_editor import Editing, FloorEditing
 from live.render.window.window import Window
 
 LARGEST: Final = 8192
-"""Longest side of the picture [pixels]."""
+"""Maximum side length of the rendered frame [pixels]."""
 
 
 class Pictures:
-    """Two pictures of one size, drawn to in turn; GL objects are made here and in `resize`."""
+    """Double buffer of rendered frames. GL objects are created here and in `resize`."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
         self.ctx = ctx
@@ -44,25 +44,25 @@ class Pictures:
 
     @property
     def next(self) -> moderngl.Framebuffer:
-        """What the next picture is drawn into."""
+        """The framebuffer for the next frame."""
         return self._framebuffers[1 - self._last]
 
     def take(self) -> None:
-        """What was drawn into `next` is good: it is the last picture now."""
+        """Swap the buffers after a complete frame was drawn into `next`."""
         self._last = 1 - self._last
 
     @property
     def last(self) -> moderngl.Framebuffer:
-        """The last picture that was drawn to its end."""
+        """The last complete frame."""
         return self._framebuffers[self._last]
 
     @property
     def texture(self) -> moderngl.Texture:
-        """That picture as a texture."""
+        """The last complete frame as a texture."""
         return self._textures[self._last]
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size [pixels]; both pictures are black then."""
+        """Set the size [pixels]; both buffers become black."""
         self.release()
         self._make(size)
 
@@ -72,7 +72,7 @@ class Pictures:
 
 
 def picture_size(outputs: Sequence[Output], windows: Sequence[tuple[int, int]]) -> tuple[int, int]:
-    """The size [pixels] at which no output shows less than its own pixels; `windows`: the size of each one's window."""
+    """Return the frame size [pixels] at which no output has to be enlarged; `windows`: window size of each output."""
     most = [1.0, 1.0]
     for output, (width, height) in zip(outputs, windows, strict=True):
         upright = (width, height) if output.rotation in (0, 180) else (height, width)
@@ -85,14 +85,14 @@ def picture_size(outputs: Sequence[Output], windows: Sequence[tuple[int, int]]) 
 
 
 class Screen:
-    """Draws the show's picture into one window. Thread: main thread only, like everything of GLFW."""
+    """Draws the rendered frame into one window. Thread: main thread only, as GLFW requires."""
 
     def __init__(self, output: Output, window: Window, number: int, *, fits: bool = False) -> None:
-        """`number`: of the output, from 0. `fits`: the picture keeps its shape, with black beside it, as an operator
-        wants to see it. PersonError for a mask that cannot be read."""
+        """`number`: of the output, from 0. `fits`: keep the aspect ratio with black bars, for an operator's window.
+        Raises PersonError for a mask that cannot be read."""
         self.output, self.window = output, window
         self.card: Card = "off"
-        """The test card that it shows."""
+        """The test card that is shown."""
         self._fits = fits
         self._sheet: npt.NDArray[np.uint8] | None = None
         self._fitted: tuple[Any, ...] = ()
@@ -101,26 +101,26 @@ class Screen:
         self._pass = self._made_pass()
         self._known: dict[int, moderngl.Texture] = {}
         self.editing: Editing | FloorEditing | None = None
-        """Its points being moved, if they are."""
+        """The editor of its points while they are moved; else None."""
         self.lines: tuple[str, ...] = ()
-        """Words over the window while it is edited."""
+        """Lines of text over the window while it is edited."""
         self._handles: HandlePass | None = None
 
     def _made_pass(self) -> OutputPass:
         return OutputPass(self.window.ctx, self.output, self._number, self._detail)
 
     def set(self, output: Output) -> None:
-        """Show it like this from now on."""
+        """Use the settings of `output` from now on."""
         self.output = output
         self.window.make_current()
         self._pass.set(output)
 
     def edit(self, on: bool) -> None:
-        """Begin to bend it by hand, or be done with it."""
+        """Start or end manual editing of corners and mesh."""
         self._begin(Editing(self.output) if on else None)
 
     def edit_floor(self, corners: Sequence[Point]) -> None:
-        """Begin to point at the corners of the real floor; now they are there, as shares of the whole picture."""
+        """Start marking the corners of the real floor; `corners`: their present places, as shares of the frame."""
         self._begin(FloorEditing(self.output, corners))
 
     def _begin(self, editing: Editing | FloorEditing | None) -> None:
@@ -130,13 +130,13 @@ class Screen:
             self._handles = HandlePass(self.window.ctx, self.window.size[1])
 
     def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
-        """What an audience joins by is this from now on."""
+        """Set the join card of the audience (QR code)."""
         self._sheet = sheet
         self.window.make_current()
         self._pass.take_sheet(sheet)
 
     def take_shaders(self) -> None:
-        """Draw with the shaders as they are now; PersonError if one is no program: all goes on as it was."""
+        """Reload the shaders. Raises PersonError if one does not compile; the old ones then stay in use."""
         self.window.make_current()
         made = self._made_pass()
         self._pass.release()
@@ -147,18 +147,18 @@ class Screen:
         self._fitted = ()
 
     def forget(self) -> None:
-        """The pictures are about to be made anew."""
-        self._known.clear()  # they are not this context's to free
+        """Drop the references to shared textures, before the frame buffers are created again."""
+        self._known.clear()  # this context does not own them
 
     def draw(self, pictures: Pictures, left: float) -> None:
-        """Draw the last picture into the window; its context is the current one. `left`: see `OutputPass.draw`."""
+        """Draw the last frame into the window, whose context must be current. `left`: see `OutputPass.draw`."""
         target: Any = self.window.target
         self._throw(pictures, target, left)
         if self.editing is not None and self._handles is not None:
             self._handles.draw(self.editing.points, self.editing.chosen, self.lines, target)
 
     def draw_once(self, pictures: Pictures) -> None:
-        """Draw everything that may be drawn later, where nobody sees it."""
+        """Draw everything once off screen, so that drivers compile their programs."""
         scratch = self.window.ctx.texture((16, 16), 4)
         target = self.window.ctx.framebuffer([scratch])
         for card in ("off", "grid"):
@@ -177,7 +177,7 @@ class Screen:
         self._pass.draw(self._texture(pictures), target, card=self.card, left=left)
 
     def _texture(self, pictures: Pictures) -> moderngl.Texture:
-        """The last picture as this window's context knows it."""
+        """Return the last frame as a texture of this window's context."""
         texture = pictures.texture
         if pictures.ctx is self.window.ctx:
             return texture
@@ -186,7 +186,7 @@ class Screen:
         return self._known[texture.glo]
 
     def on_picture(self, place: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
-        """Where a pixel of the window lies in the picture of that size [pixels]."""
+        """Return the place of a window pixel in a frame of size `picture` [pixels]."""
         window = self.window.size
         x, y = picture_place(self.output, (place[0] / window[0], place[1] / window[1]))
         return x * picture[0], y * picture[1]
@@ -200,7 +200,7 @@ class Screen:
 
 
 def _fitted(window: tuple[int, int], picture: tuple[int, int]) -> tuple[Point, Point, Point, Point]:
-    """Corners at which a picture keeps its shape in a window."""
+    """Return the corners at which a frame keeps its aspect ratio in a window."""
     share = (window[0] * picture[1]) / (window[1] * picture[0])
     across, down = (1.0 / share, 1.0) if share > 1.0 else (1.0, share)
     x, y = 0.5 - 0.5 * across, 0.5 - 0.5 * down

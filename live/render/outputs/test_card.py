@@ -1,7 +1,4 @@
-"""Test cards: what a projector shows while it is set up, and the words that stand on it.
-
-The card that an audience joins by: the code, its link in letters, and what it is for.
-"""
+"""Test cards for projector set-up, and the join card of the audience (QR code, link and invitation)."""
 
 from collections.abc import Sequence
 from typing import Final, Literal, get_args
@@ -14,24 +11,24 @@ from live.render.lettering import readable
 
 Card = Literal["off", "grid", "bars", "name", "safe", "focus", "qr"]
 CARDS: Final[tuple[Card, ...]] = get_args(Card)
-"""By their numbers in the shader; `off` is the picture, `qr` what an audience joins by (`join_card`)."""
+"""In the order of their numbers in the shader; `off` is the picture, `qr` the join card (`join_card`)."""
 
 TINTS: Final = ((1.0, 1.0, 1.0), (0.45, 0.9, 1.0), (1.0, 0.85, 0.35), (0.95, 0.55, 1.0), (0.6, 1.0, 0.5))
-"""Colours of the outputs' cards in turn, so that lines that overlap can be told apart."""
+"""Colours of the outputs' cards in turn, to distinguish overlapping lines."""
 
 JOIN: Final = "qr"
-"""It is no test card: the key that goes through them leaves it out."""
+"""Not a test card: the key that cycles through the cards skips it."""
 _HEIGHT: Final = 160
 
 
 def next_card(card: Card) -> Card:
-    """The card after this one; the picture after the last."""
+    """Return the next card; the picture after the last."""
     cards = [each for each in CARDS if each != JOIN]
     return cards[(cards.index(card) + 1) % len(cards)] if card in cards else "off"
 
 
 def words_of(name: str, detail: str) -> npt.NDArray[np.uint8]:
-    """The output's name over a smaller line, white on black: coverage, row 0 on top, shape (160, W)."""
+    """Render the output's name above a smaller line, white on black: coverage, row 0 on top, shape (160, W)."""
     large, small = ImageFont.load_default(size=92), ImageFont.load_default(size=38)
     shown = readable("".join(letter if letter.isprintable() else "?" for letter in name))
     detail = readable(detail)
@@ -44,17 +41,17 @@ def words_of(name: str, detail: str) -> npt.NDArray[np.uint8]:
 
 
 MODULE: Final = 14
-"""Pixels of a module of the code."""
+"""Pixels per module of the QR code."""
 QUIET: Final = 4
-"""Modules of white around it, which its readers need (ISO/IEC 18004)."""
+"""Width of the quiet zone in modules (ISO/IEC 18004)."""
 INVITES: Final = "Dance with us  ·  Vem bailar connosco"
 _TEXT: Final = 44
 BAND: Final = 84
-"""Height of a line of words."""
+"""Height of a line of text [pixels]."""
 
 
 def join_card(code: Sequence[str], link: str) -> npt.NDArray[np.uint8]:
-    """Brightness, row 0 on top, shape (H, W): the code in rows of 0 and 1, words above it, its link below."""
+    """Render the join card: brightness, row 0 on top, shape (H, W). `code`: rows of "0" and "1"; the link is below."""
     modules = np.array([[letter == "1" for letter in row] for row in code], np.bool_).reshape(len(code), -1)
     modules = np.pad(modules, QUIET)
     picture = np.kron(np.where(modules, 0, 255).astype(np.uint8), np.ones((MODULE, MODULE), np.uint8))
@@ -64,7 +61,7 @@ def join_card(code: Sequence[str], link: str) -> npt.NDArray[np.uint8]:
 
 
 def _fitted(words: str, width: int) -> tuple[str, "ImageFont.FreeTypeFont | ImageFont.ImageFont"]:
-    """The words and a font in which they are no wider than that."""
+    """Return the text and the largest font in which it fits into `width`."""
     size = _TEXT
     while size > 10 and ImageFont.load_default(size=size).getlength(words) > width:
         size -= 2

@@ -1,7 +1,4 @@
-"""Corner pin: the projective map that brings the frame's corners to four given points of the window.
-
-Mesh: a grid of points that bends the frame smoothly, and the triangles that are drawn of it.
-"""
+"""Warp of an output: corner pin (homography to four points of the window) and smooth mesh of control points."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -18,11 +15,11 @@ Float64 = npt.NDArray[np.float64]
 LEAST_AREA: Final = 1e-4
 """Corners that enclose less than this share of the window show nothing."""
 FARTHEST: Final = 4.0
-"""A corner lies at most so many windows beside the window."""
+"""Maximum distance of a corner from the window, in window sizes."""
 
 
 def homography(corners: Sequence[Point]) -> Float64:
-    """The matrix (3, 3) that takes (u, v, 1) of the frame to (x w, y w, w) of the window, the corners exactly.
+    """Return the matrix (3, 3) that maps (u, v, 1) of the frame to (x w, y w, w) of the window, exact at the corners.
 
     `corners`: upper left, upper right, lower right, lower left; they must be convex (`check_corners`).
     After Heckbert, "Fundamentals of texture mapping and image warping" (1989), section 2.2.3.
@@ -41,7 +38,7 @@ def homography(corners: Sequence[Point]) -> Float64:
 
 
 def mapped(matrix: Float64, points: npt.ArrayLike) -> Float64:
-    """Points (..., 2) through a homography, shape (..., 2)."""
+    """Return points (..., 2) mapped by a homography, shape (..., 2)."""
     given = np.asarray(points, np.float64)
     through = np.concatenate([given, np.ones((*given.shape[:-1], 1))], axis=-1) @ matrix.T
     result: Float64 = through[..., :2] / through[..., 2:]
@@ -49,7 +46,7 @@ def mapped(matrix: Float64, points: npt.ArrayLike) -> Float64:
 
 
 def check_corners(corners: Sequence[Point]) -> None:
-    """PersonError unless the corners can hold a picture: convex, in order, not turned over, with an area."""
+    """Raise PersonError unless the corners are convex, in order, not mirrored, and enclose an area."""
     points = np.array(corners, np.float64)
     if np.abs(points - 0.5).max() > FARTHEST + 0.5:
         raise PersonError(f"a corner lies more than {FARTHEST:g} windows away", "0 and 1 are the window's borders")
@@ -83,7 +80,7 @@ def _meet(a: Float64, b: Float64, c: Float64, d: Float64) -> bool:
 Float32 = npt.NDArray[np.float32]
 
 PIECES: Final = 12
-"""Each cell of a mesh is drawn in so many pieces each way."""
+"""Subdivisions of a mesh cell in each direction."""
 MOST_VERTICES: Final = ((MESH_MOST - 1) * PIECES) ** 2 * 6
 """Vertices of the largest mesh."""
 
@@ -91,12 +88,12 @@ Mesh = Sequence[Sequence[Point]]
 
 
 def regular(columns: int, rows: int) -> tuple[tuple[Point, ...], ...]:
-    """The mesh of so many points that bends nothing."""
+    """Return the regular mesh, which does not warp."""
     return tuple(tuple((i / (columns - 1), j / (rows - 1)) for i in range(columns)) for j in range(rows))
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """PersonError unless the mesh is a grid that nowhere folds over."""
+    """Raise PersonError unless the mesh is a grid without folds."""
     rows, columns = len(mesh), len(mesh[0]) if mesh else 0
     if not mesh:
         return
@@ -121,9 +118,9 @@ def check_mesh(mesh: Mesh) -> None:
 
 
 def bent(mesh: Mesh, across: Float64, down: Float64) -> Float64:
-    """Where points of the regular frame lie: for shares `across` (m,) and `down` (n,) places of shape (n, m, 2).
+    """Return the warped places of a regular grid: for shares `across` (m,) and `down` (n,), shape (n, m, 2).
 
-    Catmull-Rom splines through the points, which keep straight what is straight: the regular mesh bends nothing.
+    Uses Catmull-Rom splines through the points. They keep straight lines straight: the regular mesh does not warp.
     """
     points = np.array(mesh, np.float64)
     along: Float64 = _spline(points, down)
@@ -132,14 +129,14 @@ def bent(mesh: Mesh, across: Float64, down: Float64) -> Float64:
 
 
 def unbent(mesh: Mesh, place: Point) -> Point:
-    """Which point of the regular frame is drawn at a place of the bent one: in the very triangles that are drawn.
+    """Return the point of the regular frame that is drawn at a place of the warped one (inverse of `bent`).
 
-    Beside the mesh, where nothing is drawn, the nearest triangle goes on.
+    Uses the same triangles that are drawn. Outside the mesh the nearest triangle is extrapolated.
     """
     if not mesh:
         return place
     corners, shares = _triangles(tuple(tuple(row) for row in mesh))
-    inside = (shares @ (*place, 1.0)).reshape(3, -1)  # how much each triangle's corners count
+    inside = (shares @ (*place, 1.0)).reshape(3, -1)  # barycentric coordinates in each triangle
     nearest = int(np.minimum(np.minimum(inside[0], inside[1]), inside[2]).argmax())
     u, v = inside[:, nearest] @ corners[nearest]
     return float(u), float(v)
@@ -147,8 +144,8 @@ def unbent(mesh: Mesh, place: Point) -> Point:
 
 @lru_cache(maxsize=8)
 def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
-    """Corners of the drawn triangles in the regular frame (T, 3, 2), and what takes (x, y, 1) to how much the
-    first, second and third corners of all count, (3 T, 3)."""
+    """Return the corners of the drawn triangles in the regular frame (T, 3, 2), and the matrix (3 T, 3) from (x, y, 1)
+    to the barycentric coordinates of the first, second and third corners of all triangles."""
     grids = []
     across, down = _shares(mesh)
     for grid in (bent(mesh, across, down), np.stack(np.meshgrid(across, down), axis=-1)):
@@ -156,7 +153,7 @@ def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
         grids.append(np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 3, 2))
     there, corners = grids
     square = np.concatenate([there, np.ones((*there.shape[:2], 1))], axis=2).swapaxes(1, 2)
-    flat = np.abs(np.linalg.det(square)) < 1e-12  # folded to a line: nobody can point at it
+    flat = np.abs(np.linalg.det(square)) < 1e-12  # degenerate to a line: contains no point
     square[flat] = np.eye(3)
     shares = np.linalg.inv(square)
     shares[flat] = -1e9
@@ -164,13 +161,13 @@ def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
 
 
 def _shares(mesh: Mesh) -> tuple[Float64, Float64]:
-    """The shares of the frame, across and down, between which pieces are drawn."""
+    """Return the grid lines of the subdivided mesh as shares of the frame, across and down."""
     columns, rows = len(mesh[0]), len(mesh)
     return np.linspace(0.0, 1.0, (columns - 1) * PIECES + 1), np.linspace(0.0, 1.0, (rows - 1) * PIECES + 1)
 
 
 def _spline(points: Float64, shares: Float64) -> Float64:
-    """A spline along the first axis of (k, ..., 2) at shares (s,) of the way from its first to its last point."""
+    """Evaluate a spline along the first axis of (k, ..., 2) at shares (s,) from its first to its last point."""
     count = len(points)
     wide = np.concatenate([2.0 * points[:1] - points[1:2], points, 2.0 * points[-1:] - points[-2:-1]])
     place = np.clip(shares, 0.0, 1.0) * (count - 1)
@@ -182,8 +179,8 @@ def _spline(points: Float64, shares: Float64) -> Float64:
 
 
 def vertices(output: Output) -> Float32:
-    """What is drawn of an output: triangles' corners (x w, y w, w, u, v) with (x, y) in the window and (u, v) in the
-    frame, shape (V, 5). The card divides by w, which makes the corner pin exact in every pixel."""
+    """Return the triangle vertices of an output: (x w, y w, w, u, v) with (x, y) in the window and (u, v) in the
+    frame, shape (V, 5). The GPU divides by w, so the corner pin is exact in every pixel."""
     if output.mesh:
         across, down = _shares(output.mesh)
         places = bent(output.mesh, across, down)

@@ -1,12 +1,7 @@
-"""Editing: an output's corners and mesh moved by hand, on the projector itself, with everything undone again.
+"""Interactive editors for an output's corners and mesh, and for the corners of the real floor, with undo.
 
-Nothing here knows of windows or files: inputs in shares of the window come in, an output comes out.
-
-MovedPoints: points in an output's window that are moved by mouse and keys, with everything undone again.
-
-Floor editing: the corners of the real stage's floor, pointed at on the projector itself.
-
-Each mark is light on the real floor: it is moved until it lies where the floor has that corner.
+Points are moved by mouse and keys in the projected picture. For the floor, each projected mark is moved until it lies
+on that corner of the real floor. Independent of windows and files: inputs are shares of the window.
 """
 
 from abc import ABC, abstractmethod
@@ -24,24 +19,24 @@ from live.render.outputs.output_coordinates import picture_place, window_place
 from live.render.outputs.warp import bent, check_corners, check_mesh, homography, mapped, regular
 
 REACH: Final = 0.06
-"""A point is taken hold of from so far away, as a share of the window's width."""
+"""Maximum distance at which a point can be grabbed, as a share of the window's width."""
 KEPT: Final = 200
-"""Steps that can be undone."""
+"""Maximum number of undo steps."""
 
 State = TypeVar("State")
-"""What is changed by moving, as a value."""
+"""Type of the edited value."""
 
 
 class MovedPoints(ABC, Generic[State]):
-    """Places are shares of the window. A move that cannot be is left out, and `problem` says why."""
+    """Editor for points with undo. Places are shares of the window. Invalid moves are refused; see `problem`."""
 
     def __init__(self) -> None:
         self.chosen = 0
         """The point that keys move."""
         self.is_changed = False
-        """Whether anything was moved that nobody has kept yet."""
+        """Whether there are unsaved changes."""
         self.problem = ""
-        """Why the last move was left out; empty if it was not."""
+        """Why the last move was refused; empty if it was not."""
         self._before: list[State] = []
         self._held = False
 
@@ -52,22 +47,22 @@ class MovedPoints(ABC, Generic[State]):
 
     @abstractmethod
     def _move(self, place: Point) -> bool:
-        """The chosen point goes there; False, and `problem`, if it cannot."""
+        """Move the chosen point there; return False and set `problem` if that is invalid."""
 
     @abstractmethod
     def _now(self) -> State:
-        """All as it is."""
+        """Return the present state."""
 
     @abstractmethod
     def _restore(self, state: State) -> None:
-        """All as it was."""
+        """Restore an earlier state."""
 
     def next(self, step: int = 1) -> None:
-        """Choose the next point, or the one before."""
+        """Choose the next point, or the previous one for `step` -1."""
         self.chosen = (self.chosen + step) % len(self.points)
 
     def take_hold(self, place: Point, aspect: float) -> bool:
-        """Choose the point at a place of the window, of that width by its height; False if there is none."""
+        """Grab the nearest point at a place of the window; `aspect`: width / height. False if none is near."""
         far = np.array(self.points) - place
         distance = np.hypot(far[:, 0], far[:, 1] / aspect)
         nearest = int(distance.argmin())
@@ -78,23 +73,23 @@ class MovedPoints(ABC, Generic[State]):
         return True
 
     def let_go(self) -> None:
-        """The point that was held stays where it is."""
+        """Release the grabbed point."""
         self._held = False
 
     def pull(self, place: Point) -> None:
-        """The point that is held goes there; nothing if none is."""
+        """Move the grabbed point there; does nothing if none is grabbed."""
         if self._held:
             self._move(place)
 
     def nudge(self, x: float, y: float) -> None:
-        """The chosen point goes so far [shares of the window]."""
+        """Move the chosen point by (x, y) [shares of the window]."""
         self._keep()
         at = self.points[self.chosen]
         if not self._move((at[0] + x, at[1] + y)):
             self._before.pop()
 
     def undo(self) -> None:
-        """As it was before the last move."""
+        """Undo the last change."""
         if self._before:
             self._restore(self._before.pop())
             self.is_changed, self.problem = True, ""
@@ -106,22 +101,22 @@ class MovedPoints(ABC, Generic[State]):
 
 
 FIRST_MESH: Final = 3
-"""Points each way of a mesh that begins."""
+"""Points in each direction of a new mesh."""
 
 
 FARTHEST_POINT: Final = (-1.0, 2.0)
-"""Between these shares of the frame lie a mesh's points."""
+"""Range of a mesh point's coordinates [shares of the frame]."""
 
 
 class Editing(MovedPoints[Output]):
-    """One output being bent. A move that would fold or cross it is left out, and `problem` says why."""
+    """Editor for the warp of one output. A move that would fold or cross it is refused; see `problem`."""
 
     def __init__(self, output: Output) -> None:
         super().__init__()
         self.output = output
-        """As it is bent now."""
+        """The edited output."""
         self.on_mesh = False
-        """Whether the mesh's points are moved, and not the corners."""
+        """Whether mesh points are edited instead of corners."""
 
     @property
     def points(self) -> list[Point]:
@@ -156,14 +151,14 @@ class Editing(MovedPoints[Output]):
     # -- the mesh ----------------------------------------------------------------------------------------------
 
     def switch(self) -> None:
-        """From the corners to the mesh, which is made if there is none, or back."""
+        """Switch between editing corners and mesh; creates a mesh if there is none."""
         self.on_mesh, self.chosen = not self.on_mesh, 0
         if self.on_mesh and not self.output.mesh:
             self._keep()
             self.output = replace(self.output, mesh=regular(FIRST_MESH, FIRST_MESH))
 
     def refine(self, more: int) -> None:
-        """So many more rows and columns of the mesh; it is bent as before, as well as its points can."""
+        """Add `more` rows and columns to the mesh; resamples the present warp."""
         mesh = self.output.mesh
         if not self.on_mesh or not mesh:
             return
@@ -176,7 +171,7 @@ class Editing(MovedPoints[Output]):
     # -- back --------------------------------------------------------------------------------------------------
 
     def straighten(self) -> None:
-        """Nothing is bent any more: the corners', or the mesh's part."""
+        """Reset the corners, or the mesh, to no warp."""
         self._keep()
         if self.on_mesh:
             mesh = self.output.mesh
@@ -194,16 +189,16 @@ class Editing(MovedPoints[Output]):
 
 
 class FloorEditing(MovedPoints[list[Point]]):
-    """Four points of the picture being moved in one output's window; like `Editing`, but the output stays as it is."""
+    """Editor for the four floor corners in the frame, moved in one output's window. The output does not change."""
 
     on_mesh = False
 
     def __init__(self, output: Output, corners: Sequence[Sequence[float]]) -> None:
-        """`corners` (4, 2) of the whole picture, in the order of `perspective.CORNERS`."""
+        """`corners` (4, 2) in shares of the frame, in the order of `projector_perspective.CORNERS`."""
         super().__init__()
         self.output = output
         self.corners: list[Point] = [(float(x), float(y)) for x, y in corners]
-        """Where they are now, in the whole picture."""
+        """Present places, in shares of the frame."""
         self._start = list(self.corners)
 
     @property
@@ -213,7 +208,7 @@ class FloorEditing(MovedPoints[list[Point]]):
 
     @property
     def what(self) -> str:
-        """The chosen corner in words."""
+        """Name of the chosen corner."""
         return f"floor's {CORNERS[self.chosen]} corner"
 
     def _move(self, place: Point) -> bool:
@@ -228,13 +223,13 @@ class FloorEditing(MovedPoints[list[Point]]):
         return True
 
     def switch(self) -> None:
-        """There is nothing else to move here."""
+        """Does nothing: there is no mesh."""
 
     def refine(self, more: int) -> None:
-        """A floor has four corners."""
+        """Does nothing: a floor has four corners."""
 
     def straighten(self) -> None:
-        """As they were when this began."""
+        """Reset the corners to their places before editing."""
         self._keep()
         self.corners = list(self._start)
 

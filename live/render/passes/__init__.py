@@ -1,1 +1,1 @@
-"""Passes of a picture, one file each. It may import what `render` may."""
+"""Render passes, one file for each kind. It may import what `render` may."""

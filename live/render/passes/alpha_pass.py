@@ -1,9 +1,8 @@
-"""Pictures with alpha: how much of each pixel is covered, kept apart from its colour.
+"""Render pass for frames with straight (not premultiplied) alpha.
 
-A picture that is laid over another one by its alpha must hold the colour of what covers the pixel, not that colour
-already darkened along its edges ("straight" alpha). So the scene, drawn on nothing, is divided by its cover before
-the picture passes and the film curve (Porter and Duff 1984, section 3); light in the air (ghosts, ribbons, glow) gets
-the alpha with which it looks the same over black.
+The scene, drawn on a transparent ground, is divided by its coverage before post-processing and tone mapping (Porter
+and Duff 1984, section 3), so that edges are not darkened. Additive light (ghosts, ribbons, glow) gets the alpha with
+which it looks the same over black.
 """
 
 import moderngl
@@ -34,19 +33,19 @@ class MattePass:
         )
 
     def keep(self, drawn: moderngl.Framebuffer) -> None:
-        """Keep the surfaces that were drawn; what comes over them leaves the cover as it is."""
+        """Store the drawn surfaces with their coverage; later drawing does not change it."""
         self._ctx.copy_framebuffer(self._kept_target, drawn)
         drawn.use()
 
     def straighten(self, scene: moderngl.Texture) -> moderngl.Texture:
-        """The scene, compressed light, with the full colour of what covers a pixel, however little of it."""
+        """Return the scene (compressed light) with straight alpha: full colour also at partly covered pixels."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._scene = scene
         self._straight.draw(self._light_target, kept=self._kept, scene=scene)
         return self._light
 
     def draw(self, target: moderngl.Framebuffer, brightness: float) -> None:
-        """Draw the picture in `self.target` onto `target` with its alpha, which a blackout takes along."""
+        """Draw `self.target` onto `target` with alpha; a blackout (`brightness` 0) also fades the alpha."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._end.set("brightness", min(max(brightness, 0.0), 1.0))
         self._end.draw(target, kept=self._kept, scene=self._scene, picture_drawn=self._shown)

@@ -1,4 +1,4 @@
-"""Smooth edges without multisampling, only where dancers are; then the picture goes to its target."""
+"""Post-process antialiasing of the dancers' edges, used where there is no multisampling."""
 
 import moderngl
 
@@ -8,17 +8,17 @@ from live.render.shader import program, set_uniform
 
 
 class SmoothPass:
-    """Owns the target that the scene is drawn into (8 bits, sharing the dancers' depth)."""
+    """Owns the target that the scene is drawn into, which shares the dancers' depth, and smooths edges in it."""
 
     def __init__(
         self, ctx: moderngl.Context, depth: moderngl.Texture, size: tuple[int, int], *, hdr: bool = False
     ) -> None:
-        """`hdr`: what is drawn is compressed light in half floats; otherwise it is as it will be shown."""
+        """`hdr`: the target holds compressed light in half floats; otherwise display values in 8 bits."""
         self._ctx, self._kind = ctx, HDR if hdr else "f1"
         self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
         self._triangle = ctx.vertex_array(self._program, [])
         self.crisp = 0.0
-        """How much finer detail is lifted, for a picture that will be stretched."""
+        """Strength of sharpening, for a picture that will be enlarged."""
         self._make(depth, size)
 
     def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
@@ -32,16 +32,16 @@ class SmoothPass:
         self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
 
     def draw(self, target: moderngl.Framebuffer, where: tuple[int, int, int, int]) -> None:
-        """Copy what was drawn into `self.target` onto `target`, the dancers' edges softened."""
+        """Copy `self.target` to `target`, with the dancers' edges smoothed."""
         self.soften(where)
         self._ctx.copy_framebuffer(target, self._to)
 
     def soften(self, where: tuple[int, int, int, int]) -> moderngl.Texture:
-        """What was drawn into `self.target` with the dancers' edges softened.
+        """Return the content of `self.target` with the dancers' edges smoothed.
 
-        `where` (x, y, width, height) holds all dancers.
+        `where`: rectangle (x, y, width, height) that contains all dancers.
         """
-        self._ctx.copy_framebuffer(self._to, self._from)  # without the depth that both share
+        self._ctx.copy_framebuffer(self._to, self._from)  # without the shared depth
         self._result.use()
         self._result.scissor = where
         self._ctx.enable(moderngl.DEPTH_TEST)
@@ -51,7 +51,7 @@ class SmoothPass:
         set_uniform(self._program, "crisp", self.crisp)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
-        self._result.scissor = (0, 0, *self._softened.size)  # copies obey it too
+        self._result.scissor = (0, 0, *self._softened.size)  # the scissor also applies to copies
         return self._softened
 
     def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:

@@ -1,4 +1,4 @@
-"""Images and videos behind the dancers: on the wall behind the stage, or over the whole picture."""
+"""Render pass for background images and videos: on the wall behind the stage, or over the whole picture."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from live.render.uniforms import WALL_BEHIND
 
 _ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, BACKGROUNDS + 1))
 _WALL: Final = 1.5
-"""A picture on the wall is so much wider than the stage, if nothing else is said."""
+"""Default width of a picture on the wall, in stage widths."""
 
 
 @dataclass(slots=True, eq=False)
 class _Source:
-    """One background: its picture on the card, and the video that it comes from, if it is one."""
+    """One background: its settings, texture and video decoder, if it is a video."""
 
     said: Background
     texture: moderngl.Texture
@@ -30,10 +30,10 @@ class _Source:
 
 
 class BackgroundPass(ScenePass):
-    """Costs nothing while no background is seen; videos run with the show's time or beat."""
+    """Draws the backgrounds; costs nothing while none is visible. Videos follow the show's time or beat."""
 
     def __init__(self, making: Making) -> None:
-        """PersonError for a file that cannot be shown."""
+        """Raises PersonError for a file that cannot be decoded."""
         self._ctx, self._size = making.ctx, making.size
         self._scene = making.scene
         self._program = program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
@@ -56,11 +56,11 @@ class BackgroundPass(ScenePass):
         return _Source(said, texture, video)
 
     def active(self, moment: Moment) -> bool:
-        """While any is seen."""
+        """Whether any background is visible."""
         return any(self._seen(moment))
 
     def _seen(self, moment: Moment) -> Iterator[tuple[_Source, float]]:
-        """Those that are seen, and how much of each."""
+        """Yield the visible backgrounds and their opacity."""
         for place, source in zip(_ROWS, self._sources, strict=False):
             amount = moment.amount(place)
             if source is not None and amount > 0.0:
@@ -68,16 +68,16 @@ class BackgroundPass(ScenePass):
 
     @property
     def problems(self) -> list[str]:
-        """What is wrong with videos, whose last pictures stay."""
+        """Errors of videos; their last frames stay visible."""
         videos = [(Path(one.said.file).name, one.video) for one in self._sources if one is not None and one.video]
         return [f"background {name}: {video.problem}" for name, video in videos if video.problem]
 
     def over_active(self, moment: Moment) -> bool:
-        """As `active`: it is asked only then."""
+        """The same as `active`: called only then."""
         return True
 
     def prepare(self, moment: Moment) -> None:
-        """Take the pictures of videos that are due."""
+        """Upload the due video frames."""
         for source, _ in self._seen(moment):
             if source.video is None:
                 continue
@@ -86,7 +86,7 @@ class BackgroundPass(ScenePass):
                 _show(source.texture, picture)
 
     def over(self, moment: Moment) -> None:
-        """Draw what is seen, the first one first, behind the dancers."""
+        """Draw the visible backgrounds behind the dancers, in order."""
         ctx = self._ctx
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.disable(moderngl.CULL_FACE)
@@ -135,7 +135,7 @@ class BackgroundPass(ScenePass):
 
 
 def video_place(view: StageView, beats: float | None, seconds: float) -> float:
-    """Where a video of so many `seconds` is [s] at a moment: it comes again and again, in so many `beats` if it has."""
+    """Return the position [s] in a looping video of `seconds` length; with `beats`, one loop takes that many beats."""
     return (view.beat / beats) % 1.0 * seconds if beats else view.time % seconds
 
 

@@ -1,4 +1,4 @@
-"""Beams in the haze: cones of light from lamps above the stage, and those of the follow spots."""
+"""Render pass for light beams in haze: cones of the lamps above the stage and of the follow spots."""
 
 from typing import Final
 
@@ -10,9 +10,9 @@ from live.render.pass_context import HDR, Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 
 _DIVISOR: Final = 4
-"""Light in the haze is soft: it is drawn at 1/n of the picture's size and stretched."""
+"""Light in haze is soft: it is drawn at 1/n of the picture's size and enlarged."""
 _BEFORE: Final = 0.45
-"""Share of a beam's light that lies before a dancer on the average: what is behind her she hides."""
+"""Mean share of a beam's light in front of a dancer: the dancer hides the rest."""
 _SWITCHES: Final = (
     BY_ADDRESS["/dance/light/beams"].first,
     *(BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOTS + 1)),
@@ -20,7 +20,7 @@ _SWITCHES: Final = (
 
 
 class BeamPass(ScenePass):
-    """Costs nothing while beams and spots are dark."""
+    """Draws the beams; costs nothing while all are dark."""
 
     def __init__(self, making: Making) -> None:
         self._ctx = making.ctx
@@ -37,21 +37,21 @@ class BeamPass(ScenePass):
         self._target = self._ctx.framebuffer([self._light])
 
     def active(self, moment: Moment) -> bool:
-        """While any beam is lit."""
+        """Whether any beam is lit."""
         return any(moment.amount(place) > 0.0 for place in _SWITCHES)
 
     def over_active(self, moment: Moment) -> bool:
-        """As `active`: it is asked only then."""
+        """The same as `active`: called only then."""
         return True
 
     def prepare(self, moment: Moment) -> None:
-        """The light of all beams along each ray."""
+        """Integrate the light of all beams along each view ray."""
         self._target.use()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._triangles[0].render(moderngl.TRIANGLES, vertices=3)
 
     def over(self, moment: Moment) -> None:
-        """Add it: all of it where the stage is seen, a part where a dancer is."""
+        """Add the light to the picture: all of it where the stage is visible, a part in front of dancers."""
         ctx = self._ctx
         self._light.use(1)
         set_uniform(self._over, "beams", 1)

@@ -1,4 +1,4 @@
-"""A glow around what is bright: gathered at a quarter of the size, spread, and added."""
+"""Bloom: a glow around bright areas, extracted at a quarter of the size, blurred and added."""
 
 from typing import Final
 
@@ -12,11 +12,11 @@ from live.render.shader import program, set_uniform
 _DIVISOR: Final = 4
 _AMOUNT: Final = BY_ADDRESS["/dance/pass/bloom"].first
 STRENGTH: Final = 0.22
-"""How much of the glow is added where its amount is 1."""
+"""Factor of the glow at amount 1."""
 
 
 class BloomPass:
-    """`gather` makes `glow`; `draw` adds it. The last one before the film curve is added there, which saves a pass."""
+    """`gather` computes the glow; `draw` adds it. As the last pass it is added by tone mapping, which saves a pass."""
 
     needs_surfaces = False
 
@@ -37,15 +37,15 @@ class BloomPass:
         self._targets = [self._ctx.framebuffer([glow]) for glow in self._glows]
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0."""
+        """Whether its amount is not 0."""
         return moment.amount(_AMOUNT) > 0.0
 
     def strength(self, moment: Moment) -> float:
-        """By what the glow is multiplied when it is added."""
+        """Return the factor of the glow."""
         return STRENGTH * moment.amount(_AMOUNT)
 
     def gather(self, source: moderngl.Texture) -> moderngl.Texture:
-        """The glow of `source`, linear light at a quarter of its size."""
+        """Return the glow of `source`, linear light at a quarter of its size."""
         self._step(self._targets[0], self._bright, 0, source)
         for read, into, stride in ((0, 1, (1.0 / self._small[0], 0.0)), (1, 0, (0.0, 1.0 / self._small[1]))):
             set_uniform(self._spread, "stride", stride)

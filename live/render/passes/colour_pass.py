@@ -1,9 +1,4 @@
-"""The end of a picture in half floats: the glow that was gathered last, the film curve, vignette, sRGB, dither.
-
-The colour grade: lift, gamma and gain of each colour, contrast and temperature.
-
-Darker corners, where the vignette is not the last of the passes: otherwise the film curve takes it along.
-"""
+"""Render passes for colour: colour grade, vignette, and the final conversion for display."""
 
 from typing import Final
 
@@ -18,7 +13,7 @@ from live.render.uniforms import VIGNETTING
 
 
 class FinalPass:
-    """Draws compressed light as it is shown: 8 bits, sRGB."""
+    """Converts compressed light for display: bloom, tone mapping, vignette, sRGB, dither, 8 bits."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -34,7 +29,7 @@ class FinalPass:
         glow: moderngl.Texture | None = None,
         strength: float = 0.0,
     ) -> None:
-        """Draw `source` onto `target`, with so much of a `glow` if there is one."""
+        """Draw `source` onto `target`, plus `strength` times the `glow` if there is one."""
         linked = self._programs[glow is not None]
         target.use()
         source.use(1)
@@ -61,7 +56,7 @@ _NEUTRAL: Final = np.concatenate([p.start for p in (*_COLOURS.values(), *_NUMBER
 
 
 class GradePass:
-    """Neutral values change nothing and cost nothing."""
+    """Colour grade: lift, gamma and gain of each colour, contrast and temperature. Neutral values cost nothing."""
 
     needs_surfaces = False
 
@@ -69,13 +64,13 @@ class GradePass:
         self._full = Full(making.ctx, "grade_fragment.glsl")
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0 and anything is not neutral."""
+        """Whether its amount is not 0 and any value is not neutral."""
         return moment.amount(_AMOUNT) > 0.0 and not np.array_equal(moment.frame.row[_PLACES], _NEUTRAL)
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
-        """Draw `source` graded."""
+        """Draw `source` with the grade."""
         full, row = self._full, moment.frame.row
         full.set("amount", moment.amount(_AMOUNT))
         for name, known in _COLOURS.items():
@@ -93,7 +88,7 @@ class GradePass:
 
 
 class VignettePass:
-    """Takes light from the corners."""
+    """Darkens the corners. Used if other passes follow; as the last pass the vignette is part of `FinalPass`."""
 
     needs_surfaces = False
 
@@ -101,7 +96,7 @@ class VignettePass:
         self._full = Full(making.ctx, "vignette_fragment.glsl")
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0."""
+        """Whether its amount is not 0."""
         return moment.amount(VIGNETTE) > 0.0
 
     def draw(

@@ -1,4 +1,4 @@
-"""A pass of somebody's own: `passes/NAME.glsl` in the patch's folder."""
+"""Render pass for a user's fragment shader, `passes/NAME.glsl` in the patch's folder."""
 
 import re
 from typing import Final
@@ -18,10 +18,10 @@ _RETURN_BEATS: Final = 4096.0
 
 
 class OwnPicturePass:
-    """Draws with the last text that compiled; `take` brings another one."""
+    """Draws with the last source that compiled; `take` replaces it."""
 
     def __init__(self, making: Making, own: OwnPass, slot: int) -> None:
-        """PersonError if it does not compile. `slot`: where its numbers lie in the picture's row."""
+        """`slot`: index of its parameters in the picture's row. Raises PersonError if it does not compile."""
         self._ctx, self._first = making.ctx, OWN.start + slot * NUMBERS
         self._size = making.size
         self._program = compiled(making.ctx, own)
@@ -43,7 +43,7 @@ class OwnPicturePass:
         self._kept.clear()
 
     def take(self, own: OwnPass) -> None:
-        """Another text for it; PersonError if that does not compile: the last one goes on."""
+        """Replace the source. Raises PersonError if it does not compile; the old one then stays in use."""
         program = compiled(self._ctx, own)
         release_all(self._triangle, self._program)
         self._program, self._triangle = program, self._ctx.vertex_array(program, [])
@@ -51,13 +51,13 @@ class OwnPicturePass:
         self.resize(self._size)
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0."""
+        """Whether its amount is not 0."""
         return moment.amount(self._first) > 0.0
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
-        """Draw what it makes of `source`."""
+        """Draw `source` through the shader."""
         linked, view, first = self._program, moment.view, self._first
         target.use()
         textures = {"own_light_": source, "own_last_": source if moment.cut else self._last}

@@ -1,9 +1,4 @@
-"""The dancers, lit while they are drawn (with multisampling).
-
-The dancers where pixels are dear: surfaces first, then light once for each pixel that shows one.
-
-What a multisampled scene is drawn into, lit at once; its samples are averaged before the picture passes.
-"""
+"""Render passes for the dancers: forward shading with multisampling, or deferred shading where fill rate is scarce."""
 
 import moderngl
 
@@ -16,7 +11,7 @@ from live.render.shader import WORN, program, set_uniform
 
 
 class DancerPass:
-    """Draws near and far dancers into the bound target, with depth."""
+    """Forward pass: draws and lights near and far dancers into the bound target, with depth."""
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, *, worn: bool = False) -> None:
         self._ctx, self.quality = ctx, quality
@@ -25,7 +20,7 @@ class DancerPass:
         self._worn = program(ctx, *files, (("SOFT", 1), *WORN)) if worn else None
 
     def draw(self, crowd: Crowd, floor_map: moderngl.Texture) -> None:
-        """Draw all dancers of this moment, the near ones first (they hide others)."""
+        """Draw all dancers of this frame, the near ones first (they hide others)."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
         for linked in filter(None, (self._program, self._worn)):
@@ -39,10 +34,10 @@ class DancerPass:
 
 
 class SurfacePass:
-    """`draw` fills the surface buffers and the depth texture; `shade` lights them into the bound target.
+    """Deferred pass: `draw` fills the G-buffer and the depth texture; `shade` lights them into the bound target.
 
-    The target of `shade` must carry `depth` too: its depth test picks the pixels that show a dancer. The test only
-    reads while the shader reads as well, so nothing is read that is being written.
+    The target of `shade` must have `depth` attached too: its depth test selects the pixels that show a dancer. Test
+    and shader both only read the depth, so there is no feedback loop.
     """
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int], *, worn: bool = False) -> None:
@@ -79,7 +74,7 @@ class SurfacePass:
         self.surfaces = Surfaces(self.depth, self._shape, self._who)
 
     def draw(self, crowd: Crowd, *, named: bool = False) -> None:
-        """Draw the surfaces of all dancers, the near ones first (they hide others); `named`: and who they are."""
+        """Draw the surfaces of all dancers, the near ones first (they hide others); `named`: with their numbers."""
         target, linked = (self._named_target, self._named) if named else (self._target, self._surface)
         target.use()
         target.clear()
@@ -90,7 +85,7 @@ class SurfacePass:
 
     def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, beside: bool = True) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `beside`:
-        with the lamps that are dark in the usual light."""
+        with the additional lamps, which are off in the default light."""
         which = 2 * hdr + beside
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
@@ -117,7 +112,7 @@ class SurfacePass:
 
 
 class LitTarget:
-    """`framebuffer`: half floats, multisampled, with depth; `resolve` gives them as a texture."""
+    """Multisampled target for a forward-shaded scene: half floats with depth; `resolve` returns a texture."""
 
     def __init__(self, ctx: moderngl.Context, samples: int, size: tuple[int, int]) -> None:
         self._ctx, self._samples = ctx, samples
@@ -134,13 +129,13 @@ class LitTarget:
         self._flat_target = ctx.framebuffer([self._flat])
 
     def begin(self) -> moderngl.Framebuffer:
-        """Bind it, empty."""
+        """Bind and clear the target."""
         self.framebuffer.use()
         self.framebuffer.clear()
         return self.framebuffer
 
     def resolve(self) -> moderngl.Texture:
-        """The samples of each pixel averaged: compressed light."""
+        """Average the samples of each pixel; return the texture (compressed light)."""
         self._ctx.copy_framebuffer(self._flat_target, self.framebuffer)
         return self._flat
 

@@ -1,8 +1,7 @@
-"""Elements as light on the floor: pools around points, lines and regions, streams, dashes (T105-T110).
+"""Render pass for elements as light on the floor: pools around points, lines and regions, streams, dashes (T105-T110).
 
-One instance for each element draws pools and regions (each program leaves out what is not its own); one for each piece
-of a line draws what runs along lines. What nobody on the stage could point at (wander, flock, follow, pursue, evade)
-gives no light.
+One instance per element draws pools and regions (each program skips the other's); one instance per line segment draws
+patterns along lines. Elements without a place (wander, flock, follow, pursue, evade) give no light.
 """
 
 from typing import Final
@@ -48,15 +47,15 @@ _KINDS: Final = (
     ("CORNERS", ELEMENT_CORNERS),
 )
 _CORNER_BINDING: Final = 1
-"""Where the block of corners is bound; 0 is the frame's."""
+"""Uniform block binding of the corners; 0 is the frame's."""
 _RETURN_BEATS: Final = 64.0
-"""All that moves along floor lines comes back after so many beats: small numbers keep float32 exact."""
+"""Period [beats] of all motion along floor lines: small numbers keep float32 exact."""
 _COLUMNS: Final = 8
 _PIECE_COLUMNS: Final = 12
 
 
 class ElementPass:
-    """`draw` adds the elements' light to the bound floor map, whose texels are `texel` [m] wide."""
+    """Adds the elements' light to the bound floor map, whose texels are `texel` [m] wide."""
 
     def __init__(self, ctx: moderngl.Context, texel: float) -> None:
         self._ctx = ctx
@@ -83,12 +82,12 @@ class ElementPass:
         )
 
     def fit(self, texel: float) -> None:
-        """The map has texels so wide [m] from now on."""
+        """Set the width of the map's texels [m]."""
         for linked in (self._pools, self._regions, self._lines):
             set_uniform(linked, "texel", texel)
 
     def draw(self, view: StageView) -> None:
-        """Draw the elements of this moment; nothing, at no cost, if there are none."""
+        """Draw the elements of this frame; costs nothing if there are none."""
         count = min(max(view.element_count, 0), ELEMENT_CAPACITY)
         lights = min(max(view.light_count, 0), LIGHT_CAPACITY)
         if not count and not lights:
@@ -101,12 +100,12 @@ class ElementPass:
         pieces = self._stage_pieces(view, count)
         ctx = self._ctx
         ctx.enable(moderngl.BLEND)
-        if pieces:  # pieces of a line overlap where it bends: the brighter one counts
+        if pieces:  # segments overlap where a line bends: use the brighter one
             self._piece_buffer.write(self._pieces[:pieces])
             ctx.blend_equation = moderngl.MAX, moderngl.MAX
             self._line_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pieces)
             ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
-        # light over light, never brighter than white however many lie on each other
+        # screen blending: overlapping lights never exceed white
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
         self._pool_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count + lights)
         if self._has_regions(view, count):
@@ -126,7 +125,7 @@ class ElementPass:
         self._element_buffer.write(staging)
 
     def _stage_lights(self, view: StageView, first: int, count: int) -> None:
-        """The lights of an audience's phones, after the elements."""
+        """Stage the lights of the audience's phones, after the elements."""
         if not count:
             return
         staging = self._staging[first : first + count]
@@ -156,7 +155,7 @@ class ElementPass:
         return bool((view.element_radius[:count] > 0.0).any())
 
     def _stage_pieces(self, view: StageView, count: int) -> int:
-        """Fill `_pieces` with those lines along which something runs; returns how many there are."""
+        """Fill `_pieces` with the segments of lines that have motion along them; return their number."""
         used = 0
         for index in np.flatnonzero(view.element_corners[:count] > 1):
             kind, flow = int(view.element_kind[index]), int(view.element_flow[index])

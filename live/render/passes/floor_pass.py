@@ -1,9 +1,7 @@
-"""The floor's map: soft shadows of the dancers, the light of the elements in force, and the set, seen from above.
+"""Render passes for the floor: a map of shadows, elements and set seen from above, and blurred reflections.
 
-Shadows are the dancers flattened along the key light, in three layers by height above the floor; the higher the
-layer, the wider it is blurred, so that feet stand firmly and arms cast a breath.
-
-The dancers' mirror images in the dull floor, small and soft.
+Shadows are the dancers projected along the key light, in three layers by height above the floor. Higher layers are
+blurred wider, so shadows of feet are sharp and those of arms soft.
 """
 
 from collections.abc import Callable
@@ -23,16 +21,16 @@ from live.render.shader import WORN, program, set_uniform
 
 _TAPS: Final = 5
 _SPREAD: Final = (0.6, 1.3, 2.6)
-"""Blur of the three layers in texels of a map of 256."""
+"""Blur radius of the three layers in texels of a map of 256."""
 
 
 class FloorPass:
-    """Result: `texture`, over the stage and a margin; red, green, blue: light to add, alpha: light to take away."""
+    """Fills `texture`, which covers the stage and a margin; RGB: light to add, alpha: light to remove."""
 
     def __init__(self, ctx: moderngl.Context, quality: Quality, floor_size: tuple[float, float]) -> None:
         self._ctx = ctx
         self.casters: list[Callable[[], None]] = []
-        """What else casts shadows: each draws into the layers that are bound."""
+        """Other shadow casters: each draws into the bound layers."""
         self._casts = [
             program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
@@ -51,7 +49,7 @@ class FloorPass:
         self.choose(quality.floor_map)
 
     def choose(self, long_side: int) -> None:
-        """Draw into a map of so many texels along its longer side; each size is made once."""
+        """Select a map with `long_side` texels along its longer side; each size is created once."""
         if long_side not in self._maps:
             self._maps[long_side] = self._make(long_side)
         self._layers, self._between, self.texture = textures = self._maps[long_side]
@@ -79,7 +77,7 @@ class FloorPass:
         return texture
 
     def draw(self, crowd: Crowd, view: StageView, *, shadows: bool = True) -> None:
-        """Fill `texture` for this moment, with the dancers' `shadows` or without."""
+        """Fill `texture` for this frame, with the dancers' `shadows` or without."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         if shadows:
             self._draw_shadows(crowd)
@@ -116,7 +114,7 @@ class FloorPass:
 
 
 def _weights(taps: int, scale: float) -> list[tuple[float, ...]]:
-    """How much each texel so many steps away counts in the three layers, shape (taps + 1, 3); both sides sum to 1."""
+    """Return the blur weights by distance in texels for the three layers, shape (taps + 1, 3); both sides sum to 1."""
     steps = np.arange(taps + 1)[:, None]
     weights = np.exp(-0.5 * (steps / (scale * np.array(_SPREAD))) ** 2)
     weights /= 2.0 * weights.sum(axis=0) - weights[0]
@@ -124,11 +122,11 @@ def _weights(taps: int, scale: float) -> list[tuple[float, ...]]:
 
 
 _BEYOND: Final = 4
-"""Rows above the floor's that it reads, too."""
+"""Additional rows above the floor that the blur reads."""
 
 
 class MirrorPass:
-    """Result: `texture`, square roots of the light that the floor throws back, over the whole picture."""
+    """Fills `texture` with the blurred reflections of the dancers in the floor, as square roots of light."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int, *, worn: bool = False) -> None:
         self._ctx, self._divisor = ctx, divisor
@@ -157,9 +155,9 @@ class MirrorPass:
         self._dark = False
 
     def draw(self, crowd: Crowd, *, seen: bool = True, rows: int | None = None) -> None:
-        """Fill `texture` for this moment: with the dancers' images, or `seen` is false and it is dark.
+        """Fill `texture` for this frame: with the dancers' reflections, or black if `seen` is false.
 
-        The floor is seen in so many `rows` of the picture from below; None: in all.
+        `rows`: rows of the picture, from below, in which the floor is visible; None: all.
         """
         if not seen:
             if not self._dark:

@@ -1,4 +1,4 @@
-"""Ink: lines where a dancer ends, or stands before another one, or bends; on the picture, or on paper."""
+"""Render pass for ink lines at silhouettes, occlusion edges and creases of dancers, over the picture or on paper."""
 
 from typing import Final
 
@@ -16,11 +16,11 @@ _PAPER: Final = BY_ADDRESS[f"{_ROOT}/paper"].first
 _COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
 _PAPER_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/paper/colour"].where
 _LINES: Final = 720.0
-"""Widths are in pixels of a picture of this height; in others they scale with it."""
+"""Line widths are in pixels at this picture height; they scale with the height."""
 
 
 class InkPass:
-    """Draws lines by what changes from a pixel to those around it: dancer, depth, normal."""
+    """Draws lines where dancer, depth or normal differ between neighbouring pixels."""
 
     needs_surfaces = True
 
@@ -29,7 +29,7 @@ class InkPass:
         self.resize(making.size)
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0."""
+        """Whether its amount is not 0."""
         return moment.amount(_AMOUNT) > 0.0
 
     def draw(

@@ -1,9 +1,4 @@
-"""The operator's overlay: lines of text on a small dark panel in the upper left corner.
-
-The operator's guides: strokes over the picture that show what the show intends, not what the audience should see.
-
-The overlay's graph of the last frames: a bar for each, from frame to frame; what was late stands out.
-"""
+"""Render passes of the operator's overlay: text panel, guide strokes and frame time graph."""
 
 from typing import Final
 
@@ -18,13 +13,13 @@ from live.render.lettering import Lettering, letter
 from live.render.shader import program, set_uniform
 
 _LIMIT: Final = 1024
-"""Letters drawn at most."""
+"""Maximum number of letters."""
 _LINES_PER_HEIGHT: Final = 42
-"""Lines of text that would fill the picture."""
+"""Number of text lines that fill the picture's height."""
 
 
 class OverlayPass:
-    """Lays out text only when it changes; draws nothing, at no cost, when there is none."""
+    """Draws lines of text on a dark panel in the upper left corner; layout only when the text changes."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -38,7 +33,7 @@ class OverlayPass:
         self._count = 0
 
     def draw(self, lines: tuple[str, ...], target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
-        """Draw `lines` over what `target` shows; nothing if there are none."""
+        """Draw `lines` over the content of `target`; does nothing if there are none."""
         if not lines:
             return
         height = max(12, round(size[1] / _LINES_PER_HEIGHT))
@@ -86,11 +81,11 @@ class OverlayPass:
 
 
 _STROKES_PER_HEIGHT: Final = 540
-"""Strokes of this breadth would fill the picture's height."""
+"""Number of stroke widths that fill the picture's height."""
 
 
 class GuidePass:
-    """Draws `guide_count` strokes over what the target shows, dancers included; nothing, at no cost, where none are."""
+    """Draws the operator's guides: strokes over the picture that show plans. Costs nothing while there are none."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -99,7 +94,7 @@ class GuidePass:
         self._array = ctx.vertex_array(self._program, [(self._buffer, "3f 3f 4f/i", "in_begin", "in_end", "in_colour")])
 
     def draw(self, view: StageView, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
-        """Draw the view's guides over what `target` shows, of `size` [pixels]."""
+        """Draw the view's guides over the content of `target`, whose size is `size` [pixels]."""
         if view.guide_count <= 0:
             return
         count = min(view.guide_count, GUIDE_CAPACITY)
@@ -118,7 +113,7 @@ class GuidePass:
 
 
 class GraphPass:
-    """Draws nothing, at no cost, where there is nothing to show."""
+    """Draws a bar graph of the last frame intervals; late frames stand out. Costs nothing while it is off."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -127,10 +122,10 @@ class GraphPass:
         self._array = ctx.vertex_array(self._program, [(self._buffer, "1f/i", "in_time")])
         self._values: npt.NDArray[np.float32] = np.zeros(SHOWN + 3, np.float32)
         self.times = self._values[3:]
-        """Milliseconds from frame to frame, oldest first: fill the first `count`."""
+        """Frame intervals [ms], oldest first; the caller fills the first `count`."""
         self.count = 0
         self.period = 0.0
-        """What a frame should take [ms]; 0: there is no graph."""
+        """Intended frame interval [ms]; 0: no graph."""
 
     def draw(self, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:
         """Draw the graph in the lower left corner of `target`."""

@@ -1,4 +1,4 @@
-"""Dancers of particles: points of light bound to the skin, a function of the beat."""
+"""Render pass for dancers of particles: points of light on the skin that move as a function of the beat."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ from live.render.pass_context import Making
 from live.render.shader import program, set_uniform
 
 PERIOD = 96.0
-"""Beats after which all points move the same way again."""
+"""Period of the points' motion [beats]."""
 
 
 class ParticlePass:
-    """Draws over the bound target, which must not write depth."""
+    """Draws particles over the bound target, which must not write depth."""
 
     def __init__(self, making: Making) -> None:
         ctx = self._ctx = making.ctx
@@ -30,9 +30,9 @@ class ParticlePass:
         self._buffers = {name: ctx.buffer(_bytes(_points(scene, name, self._count))) for name in bodies_of(scene)}
 
     def draw(self, crowd: Crowd, view: StageView) -> None:
-        """Draw all dancers who have particles."""
+        """Draw all dancers with the particle style."""
         set_uniform(self._program, "beat", view.beat % PERIOD)
-        most = min(crowd.quality.points, self._count)  # points come in the order of their chance
+        most = min(crowd.quality.points, self._count)  # points are sorted by their random number
         shown = min(int(crowd.styles.share * self._count) + 1, most)
         self._ctx.enable(moderngl.PROGRAM_POINT_SIZE)
         crowd.draw_other(self._program, "particles", self._vertices, moderngl.POINTS, shown)

@@ -1,6 +1,7 @@
-"""The plan, as the thesis draws it (T022): dancers are circles with a triangle for where they face, ways fade behind.
+"""Render pass for the plan view, as in the thesis (T022).
 
-It lies on the floor over the whole picture, from above or from anywhere; what elements do on the floor is seen in it.
+Dancers are circles with a triangle for their facing, with fading paths behind them. The plan lies on the floor over the
+whole picture, for any camera; it includes the light of elements on the floor.
 """
 
 from typing import Final
@@ -15,17 +16,17 @@ from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 
 KEPT: Final = 64
-"""Places of each dancer that are kept ..."""
+"""Stored places of each dancer."""
 PER_BEAT: Final = 8.0
-"""... so many in a beat: the ways of the last two measures."""
+"""Stored places per beat: with `KEPT`, the paths of the last two measures."""
 MOST_PIECES: Final = 60_000
-"""Pieces of ways that are drawn at most; ways of very many dancers are shorter."""
+"""Maximum number of path segments; paths are shorter for very many dancers."""
 NOWHERE: Final = 1e9
 _GONE: Final = np.array([NOWHERE, NOWHERE], np.float32)
 
 
 class PlanPass(ScenePass):
-    """Costs nothing while no plan is asked for; ways begin when it is."""
+    """Draws the plan view. Costs nothing while it is off; paths are recorded from when it is switched on."""
 
     def __init__(self, making: Making) -> None:
         self._ctx = ctx = making.ctx
@@ -39,7 +40,7 @@ class PlanPass(ScenePass):
         self._eighth, self._filled, self._newest = -1, 0, 0
 
     def _fit(self, count: int) -> None:
-        """Room for so many dancers."""
+        """Allocate buffers for `count` dancers."""
         self._count, self._kept = count, max(2, min(KEPT, MOST_PIECES // count))
         self._places = self._ctx.texture((count, self._kept), 2, dtype="f4")
         self._places.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -52,15 +53,15 @@ class PlanPass(ScenePass):
         self._tint = np.ones((count, 4), np.float32)
 
     def active(self, moment: Moment) -> bool:
-        """While a plan is asked for."""
+        """Whether the plan is on."""
         return moment.amount(PLAN) > 0.0
 
     def over_active(self, moment: Moment) -> bool:
-        """As `active`: it is asked only then."""
+        """The same as `active`: called only then."""
         return True
 
     def prepare(self, moment: Moment) -> None:
-        """Take the places of this moment."""
+        """Record the places of this frame."""
         view = moment.view
         if len(view.joint_position) > self._count:
             self._release_data()
@@ -77,7 +78,7 @@ class PlanPass(ScenePass):
         self._places.write(self._row, viewport=(0, self._newest, self._count, 1))
 
     def _take(self, view: StageView, colours: Float64) -> None:
-        """Place, facing and colour of everybody."""
+        """Read place, facing and colour of all dancers."""
         count = len(view.joint_position)
         self._row[:] = NOWHERE
         self._row[:count] = view.joint_position[:, 0, [0, 2]]
@@ -90,7 +91,7 @@ class PlanPass(ScenePass):
         self._mark[:, 4:] = self._tint
 
     def over(self, moment: Moment) -> None:
-        """Ground, ways, dancers."""
+        """Draw ground, paths, dancers."""
         ctx, amount = self._ctx, moment.amount(PLAN)
         ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         ctx.enable(moderngl.BLEND)

@@ -1,6 +1,7 @@
-"""The set on the floor: obstacles and walls as dark shapes with a rim of light, real dancers as a soft ring.
+"""Render passes for the set: obstacles and walls on the floor map, and solid props.
 
-Items of the set: boxes, cylinders, steps; lit like dancers, hiding them, with shadows on the floor.
+On the floor map, obstacles and walls are dark shapes with a rim of light, and real dancers are soft rings. Props
+(boxes, cylinders, steps) are lit like dancers, occlude them and cast shadows.
 """
 
 from typing import Final
@@ -15,11 +16,11 @@ from live.render.pass_context import Making, Moment, ScenePass
 from live.render.shader import program, set_uniform
 
 _WALL_THICKNESS: Final = 0.05
-"""Half of what a wall is drawn thick [m]."""
+"""Half the drawn thickness of a wall [m]."""
 
 
 class SetPass:
-    """`draw` lays the set over the bound floor map, whose texels are `texel` [m] wide."""
+    """Draws the set over the bound floor map, whose texels are `texel` [m] wide."""
 
     def __init__(self, ctx: moderngl.Context, texel: float) -> None:
         self._ctx = ctx
@@ -30,11 +31,11 @@ class SetPass:
         self._array = ctx.vertex_array(self._program, [(self._buffer, "4f 2f/i", "in_ends", "in_form")])
 
     def fit(self, texel: float) -> None:
-        """The map has texels so wide [m] from now on."""
+        """Set the width of the map's texels [m]."""
         set_uniform(self._program, "texel", texel)
 
     def draw(self, view: StageView) -> None:
-        """Draw what stands on the stage now; nothing, at no cost, if it is empty."""
+        """Draw the present obstacles and walls; costs nothing if there are none."""
         walls = min(max(view.wall_count, 0), SET_CAPACITY)
         obstacles = min(max(view.obstacle_count, 0), SET_CAPACITY)
         count = walls + obstacles
@@ -57,11 +58,11 @@ class SetPass:
 
 
 NEAR_FLOOR = 0.5
-"""So high [m] above the floor, light from everywhere is dimmer at its foot."""
+"""Height [m] below which ambient light is reduced."""
 
 
 class ItemPass(ScenePass):
-    """Draws the items of a scene; without any it does nothing."""
+    """Draws the props of a scene; does nothing without any."""
 
     def __init__(self, making: Making) -> None:
         ctx = self._ctx = making.ctx
@@ -80,11 +81,11 @@ class ItemPass(ScenePass):
         self._shadow = ctx.vertex_array(self._cast, [(self._buffer, "3f 28x", "in_position")])
 
     def active(self, moment: Moment) -> bool:
-        """While there is any."""
+        """Whether there are props."""
         return self._count > 0
 
     def cast(self) -> None:
-        """Draw the items' shadows into the floor's layers, which are bound."""
+        """Draw the shadows of the props into the bound layers of the floor map."""
         if self._count:
             self._shadow.render(moderngl.TRIANGLES, vertices=self._count)
 
@@ -107,7 +108,7 @@ class ItemPass(ScenePass):
 
 
 def vertices_of(items: tuple[Item, ...]) -> "np.ndarray[tuple[int, int], np.dtype[np.float32]]":
-    """Place, normal, square root of the colour and openness of all corners, shape (V, 10)."""
+    """Return position, normal, square root of the colour and ambient openness of all vertices, shape (V, 10)."""
     rows = [np.zeros((0, 10), np.float32)]
     for item in items:
         corners, normals = (part.reshape(-1, 3) for part in triangles_of(item))

@@ -1,6 +1,6 @@
-"""The stage behind the dancers: the kept backdrop with shadows, elements and mirror images.
+"""Render passes for the stage: cached backdrop (floor, wall, haze), with shadows, elements and reflections over it.
 
-Floor, back wall and light in the haze: computed once for a camera, light and size, then kept.
+The backdrop is computed once for a camera, light and size.
 """
 
 from typing import Final
@@ -12,14 +12,14 @@ from live.render.shader import program, set_uniform
 from live.render.uniforms import WALL_BEHIND
 
 _WALL: Final = 3
-"""The program for what is above the floor."""
+"""Index of the program for pixels above the floor."""
 
 
 class StagePass:
-    """Fills every pixel of the bound target that no dancer covers; above the floor a cheaper program does."""
+    """Fills all pixels of the target that no dancer covers; above the floor with a cheaper program."""
 
     def __init__(self, ctx: moderngl.Context, *, hdr: bool) -> None:
-        """`hdr`: into compressed light, to be developed later; otherwise as it is shown."""
+        """`hdr`: output compressed light, for later tone mapping; otherwise display values."""
         self._ctx = ctx
         self._programs = [
             program(
@@ -41,9 +41,9 @@ class StagePass:
         pools: bool = False,
         resized: bool = True,
     ) -> None:
-        """Draw at the far plane, after the dancers; below `floor_rows` (from the bottom) the floor may be seen.
+        """Draw at the far plane, after the dancers; the floor is visible only in the lowest `floor_rows` rows.
 
-        `pools`: with the pools of spots and beams on it; `resized`: the stage may be of another size than the scene's.
+        `pools`: with the light pools of spots and beams; `resized`: the stage size may differ from the scene's.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
@@ -69,10 +69,10 @@ class StagePass:
 
 
 class BackdropPass:
-    """Result: `texture`, linear light; its alpha says how much of it a shadow on the floor takes away.
+    """Fills `texture` with linear light; alpha: the share of it that a shadow on the floor removes.
 
-    While light or camera move, each frame needs another one: where the processor draws (`coarse`) that is drawn at
-    half the size, smoothly stretched, until they stand.
+    While light or camera move, each frame needs a new backdrop. With software rendering (`coarse`) it is then drawn at
+    half the size and enlarged, until they stop.
     """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, coarse: bool) -> None:
@@ -93,7 +93,7 @@ class BackdropPass:
         self._kept = False
 
     def draw(self, *, moving: bool) -> None:
-        """Fill `texture` if it is not kept; `moving`: light or camera are others than in the frame before."""
+        """Fill `texture` if it is not cached; `moving`: light or camera have changed since the last frame."""
         if self._kept:
             return
         coarse = moving and self._divisor > 1
@@ -104,11 +104,11 @@ class BackdropPass:
         self._kept = not coarse
 
     def forget(self) -> None:
-        """Light or camera are others: what was kept is of no use any more."""
+        """Invalidate the cache, after light or camera have changed."""
         self._kept = False
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels], or a new scene: what was kept is forgotten."""
+        """Set the size of the picture [pixels]; also for a new scene. Invalidates the cache."""
         self._release_targets()
         self._make(size)
 

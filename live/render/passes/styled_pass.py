@@ -1,10 +1,7 @@
-"""Bodies drawn in a style, in the place of plain ones: lit, flat, dissolving, with ink along their contours.
+"""Render passes for the visual styles of groups: styled bodies, x-ray, ghosts, ribbons and particles.
 
-X-ray: a skeleton that glows in a body of glass.
-
-Ghosts of dancers in the poses of earlier beats (after Marey's chronophotographs, 1882).
-
-All that the groups' styles ask for beside plain lit bodies; where they ask for nothing, nothing is done.
+`StylePasses` combines them and does nothing while all groups are plain. Ghosts are poses of earlier beats (after
+Marey's chronophotographs, 1882).
 """
 
 from typing import Any
@@ -25,7 +22,7 @@ from live.render.shader import WORN, program, set_uniform
 
 
 class StyledPass:
-    """Draws opaque surfaces into the bound target: lit, or (`surface`) as the surfaces that other passes read."""
+    """Draws styled bodies (flat, dissolving, with contours) into the bound target: lit, or as G-buffer (`surface`)."""
 
     def __init__(self, ctx: moderngl.Context, *, worn: bool = False) -> None:
         self._ctx = ctx
@@ -43,7 +40,7 @@ class StyledPass:
         ]
 
     def draw(self, crowd: Crowd, floor_map: moderngl.Texture, *, surface: bool = False) -> None:
-        """Draw all bodies that are not plain."""
+        """Draw all styled bodies."""
         ctx, quality = self._ctx, crowd.quality
         body, ink = self._programs[surface]
         ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
@@ -54,7 +51,7 @@ class StyledPass:
             set_uniform(linked, "floor_map", 1)
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
             crowd.draw(body, level, f"bodies {where}", worn=worn)
-        ctx.front_face = "cw"  # the insides of the swollen body
+        ctx.front_face = "cw"  # draw the back faces of the enlarged body
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
             crowd.draw(ink, level, f"ink {where}")
         ctx.front_face = "ccw"
@@ -66,7 +63,7 @@ class StyledPass:
 
 
 class XrayPass:
-    """Draws over the bound target, which must not write depth."""
+    """Draws glowing skeletons in transparent bodies over the bound target, which must not write depth."""
 
     def __init__(self, making: Making) -> None:
         ctx = self._ctx = making.ctx
@@ -76,7 +73,7 @@ class XrayPass:
         self._bones = ctx.buffer(bone_vertices().tobytes())
 
     def draw(self, crowd: Crowd) -> None:
-        """Draw all dancers who are looked through."""
+        """Draw all dancers with the x-ray style."""
         self._ctx.enable(moderngl.CULL_FACE)
         crowd.draw(self._glass, crowd.quality.ghost_level, "xray")
         self._ctx.disable(moderngl.CULL_FACE)
@@ -91,7 +88,7 @@ class XrayPass:
 
 
 class GhostPass:
-    """Draws over the bound target, which must not write depth; `follow` once a picture while there are trails."""
+    """Draws ghosts over the bound target, which must not write depth; call `follow` each frame while there are any."""
 
     def __init__(self, making: Making) -> None:
         ctx = self._ctx = making.ctx
@@ -99,11 +96,11 @@ class GhostPass:
         self.history = PoseHistory(ctx, max(making.scene.dancer_count, 1))
 
     def follow(self, crowd: Crowd, view: StageView) -> None:
-        """Take the poses of this picture where a ghost is to be left."""
+        """Record the poses of this frame where a ghost is due."""
         self.history.update(view, crowd)
 
     def draw(self, crowd: Crowd) -> None:
-        """Draw the ghosts of all dancers who have any, the oldest first."""
+        """Draw all ghosts, the oldest first."""
         self._ctx.enable(moderngl.CULL_FACE)
         ages = [self.history.ages(slot) for slot in range(MOST_GHOSTS)]
         for slot in sorted(range(MOST_GHOSTS), key=lambda slot: -float(ages[slot].max())):
@@ -121,7 +118,7 @@ _LIGHT = ("trails", "ribbons", "xray", "particles")
 
 
 class StylePasses(ScenePass):
-    """Bodies in styles are drawn with the other dancers; ghosts, ribbons, x-rays and particles over the stage."""
+    """All style passes: styled bodies are drawn with the other dancers; translucent styles over the stage."""
 
     def __init__(self, making: Making) -> None:
         self._ctx, self._many = making.ctx, making.quality.samples > 0
@@ -130,7 +127,7 @@ class StylePasses(ScenePass):
         self._particles, self._xray = ParticlePass(making), XrayPass(making)
 
     def active(self, moment: Moment) -> bool:
-        """Whether any group is drawn otherwise than as plain lit bodies."""
+        """Whether any group has a style other than plain."""
         if moment.crowd.styles.any:
             return True
         self._ghosts.history.forget()
@@ -138,7 +135,7 @@ class StylePasses(ScenePass):
         return False
 
     def prepare(self, moment: Moment) -> None:
-        """What leaves a trace is followed while any group shows it."""
+        """Record motion for ribbons and ghosts while any group shows them."""
         styles = moment.crowd.styles
         for each, name in ((self._ribbons, "ribbons"), (self._ghosts, "trails")):
             if styles.masks[name].any():
@@ -147,21 +144,21 @@ class StylePasses(ScenePass):
                 each.history.forget()
 
     def surfaces(self, moment: Moment) -> None:
-        """Where bodies in styles are, and how deep."""
+        """Draw styled bodies into the G-buffer."""
         if _bodies(moment):
             self._styled.draw(moment.crowd, moment.floor, surface=True)
 
     def lit(self, moment: Moment) -> None:
-        """Bodies in styles, in a multisampled picture."""
+        """Draw styled bodies into a multisampled target."""
         if _bodies(moment):
             self._styled.draw(moment.crowd, moment.floor)
 
     def over_active(self, moment: Moment) -> bool:
-        """Where the processor draws, bodies in styles are lit here, too: their depth is known already."""
+        """Whether `over` draws. Without multisampling, styled bodies are also lit there: their depth is known."""
         return _light(moment) or (_bodies(moment) and not self._many)
 
     def over(self, moment: Moment) -> None:
-        """Draw what is left of bodies in styles, then light over the stage, the softest first."""
+        """Light styled bodies if not done yet, then draw the translucent styles over the stage, the softest first."""
         ctx, crowd = self._ctx, moment.crowd
         target = ctx.fbo
         target.depth_mask = False

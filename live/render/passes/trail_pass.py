@@ -1,7 +1,4 @@
-"""Trails: what was bright in the picture before stays and fades in beats, however many pictures there are in one.
-
-Ribbons that hands and feet draw through the last beats.
-"""
+"""Render passes for trails (frame feedback that fades in beats, at any frame rate) and ribbons behind hands and feet."""
 
 from typing import Any, Final
 
@@ -25,11 +22,11 @@ _COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
 
 
 _STRENGTH: Final = 0.55
-"""How bright a trail begins: less than the dancer, so that she stands out from it."""
+"""Initial brightness of a trail: below the dancer's, so that the dancer stands out."""
 
 
 class TrailsPass:
-    """Keeps what its last picture left. A smaller amount shortens the trails, so that they fade in and out."""
+    """Feedback of the previous frame. A smaller amount shortens the trails, so that they fade in and out."""
 
     needs_surfaces = False
 
@@ -49,19 +46,19 @@ class TrailsPass:
         self._drew = False
 
     def active(self, moment: Moment) -> bool:
-        """While its amount is not 0."""
+        """Whether its amount is not 0."""
         here = moment.amount(_AMOUNT) > 0.0
         if not here:
-            self._drew = False  # what was kept is old when it is switched on again
+            self._drew = False  # the stored frame is outdated when trails are switched on again
         return here
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
-        """Draw `source` and what is left of the picture before."""
+        """Draw `source` and the faded previous frame."""
         half = max(moment.amount(_BEATS) * moment.amount(_AMOUNT), 1e-3)
         there = self._drew and not moment.cut
-        # a colour is what is left of white after one half-life
+        # the colour parameter is the colour of faded white after one half-life
         tint = [min(max(value, 1e-3), 1.0) ** (moment.beats / half) for value in moment.frame.row[_COLOUR].tolist()]
         last, turn = self._textures[self._turn], 1 - self._turn
         for full, into, strength in ((self._keep, self._targets[turn], 1.0), (self._full, target, _STRENGTH)):
@@ -72,7 +69,7 @@ class TrailsPass:
         self._turn, self._drew = turn, True
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]: nothing is left of the last one."""
+        """New size of the picture [pixels]; the trails are cleared."""
         release_all(*self._targets, *self._textures)
         self._make(size)
 
@@ -87,7 +84,7 @@ _LIMBS_UNIT: Final = 2
 
 
 class RibbonPass:
-    """Draws over the bound target, which must not write depth; `follow` once a picture while there are ribbons."""
+    """Draws ribbons over the bound target, which must not write depth; call `follow` each frame while there are any."""
 
     def __init__(self, making: Making) -> None:
         ctx = self._ctx = making.ctx
@@ -97,11 +94,11 @@ class RibbonPass:
         self.history = LimbHistory(ctx, max(making.scene.dancer_count, 1))
 
     def follow(self, crowd: Crowd, view: StageView) -> None:
-        """Take where limbs are in this picture."""
+        """Record the places of hands and feet in this frame."""
         self.history.update(view, crowd.capacity)
 
     def draw(self, crowd: Crowd) -> None:
-        """Draw the ribbons of all dancers who have any, as far back as quality allows."""
+        """Draw all ribbons, as long as the quality level allows."""
         pieces = min(crowd.quality.ribbon_pieces, self._pieces)
         set_uniform(self._program, "drawn_back", float(_back(pieces / self._pieces)))
         history = self.history
@@ -125,12 +122,12 @@ _CORNERS: Final = ((0, -1.0), (1, -1.0), (1, 1.0), (0, -1.0), (1, 1.0), (0, 1.0)
 
 
 def _back(share: Any) -> Any:
-    """How far back of its length a ribbon is after a share of its pieces: they are finer where it is fresh."""
+    """Map a share of a ribbon's pieces to a share of its length: pieces are finer at the new end."""
     return share**1.25
 
 
 def _strip(pieces: int) -> Float32:
-    """Two triangles for each piece of each limb's ribbon, the freshest first: how far back (0 to 1), side, limb."""
+    """Return two triangles for each piece of each limb's ribbon, the newest first: age (0 to 1), side, limb."""
     back = _back(np.arange(pieces + 1) / pieces)
     rows = [
         (back[piece + which], side, limb, 0.0)

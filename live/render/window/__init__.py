@@ -1,1 +1,1 @@
-"""Windows and monitors. It may import what `render` may."""
+"""Windows and monitors. Imports are limited as in `render`."""

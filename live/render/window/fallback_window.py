@@ -1,7 +1,7 @@
-"""GuardWindow: a black window under the show's, so that whatever becomes of an engine nobody sees a desktop.
+"""Black window below the show's window, so that the desktop stays hidden if an engine ends.
 
-As little as can be: no OpenGL, no keys, no focus; X11 paints the black. It lies below all other windows. Under Wayland
-a program cannot lay a window under another, so there is none (through XWayland there is).
+It has no OpenGL, keys or focus; X11 paints the background. Wayland does not let a program place a window below others,
+so there is no fallback window (except with XWayland).
 """
 
 import ctypes
@@ -14,11 +14,11 @@ TITLE: Final = "ChoreoGraphics Live, behind the picture"
 
 
 class NoGuard(RuntimeError):
-    """There can be no such window here; the text says why."""
+    """No fallback window is possible here; the message states why."""
 
 
 class GuardWindow:
-    """The window, hidden at first. Thread: main thread only, like everything of GLFW."""
+    """The fallback window, hidden at first. Thread: main thread only, like all of GLFW."""
 
     def __init__(self) -> None:
         """Raises NoGuard where there is no X server."""
@@ -28,7 +28,7 @@ class GuardWindow:
 
         self._glfw: Any = glfw
         if sys.platform != "linux" or glfw.get_platform() != glfw.PLATFORM_X11:
-            raise NoGuard("only X11 lays windows under others")
+            raise NoGuard("only X11 can place a window below others")
         self._x11 = ctypes.CDLL("libX11.so.6")
         self._monitor: Monitor | None = None
         self._handle = self._open()
@@ -44,29 +44,29 @@ class GuardWindow:
         glfw.window_hint(glfw.CLIENT_API, glfw.NO_API)
         window = glfw.create_window(64, 64, TITLE, None, None)
         if not window:
-            raise NoGuard("the display gives no window")
+            raise NoGuard("the display server creates no window")
         glfw.set_input_mode(window, glfw.CURSOR, glfw.CURSOR_HIDDEN)
         return window
 
     def cover(self, monitor: Monitor) -> None:
-        """Cover that monitor, below everything else on it."""
+        """Cover a monitor, below all other windows on it."""
         glfw = self._glfw
         self._monitor = monitor
         glfw.set_window_pos(self._handle, *monitor.position)
         glfw.set_window_size(self._handle, *monitor.size)
-        self._x11.XLowerWindow(self._display, self._window)  # before it is mapped: it never lies above
+        self._x11.XLowerWindow(self._display, self._window)  # before mapping, so that it is never above others
         glfw.show_window(self._handle)
         self._x11.XLowerWindow(self._display, self._window)
         self._x11.XClearWindow(self._display, self._window)
         self._x11.XFlush(self._display)
 
     def hide(self) -> None:
-        """Nobody needs it now."""
+        """Hide the window."""
         self._monitor = None
         self._glfw.hide_window(self._handle)
 
     def wait(self, seconds: float) -> None:
-        """Let GLFW work for so long, and follow the monitor if it was moved or came back."""
+        """Process GLFW events for so long, and follow the monitor if it was moved or reconnected."""
         self._glfw.wait_events_timeout(seconds)
         covered = self._monitor
         if covered is None:
@@ -76,5 +76,5 @@ class GuardWindow:
             self.cover(now)
 
     def close(self) -> None:
-        """Close it."""
+        """Close the window."""
         self._glfw.destroy_window(self._handle)

@@ -1,10 +1,8 @@
-"""Monitors: what projectors and screens there are, and which one a person means by a number or a name.
+"""Connected monitors, and their selection by number, name or position ("right of primary", "below 2").
 
-GLFW is loaded and started here, once, on the first question: a headless machine never pays for it. On Linux X11 is
-preferred wherever an X server (or XWayland) answers, because under Wayland a program can neither place a window on
-a monitor of its choice nor find out where it is (GLFW issue 2903).
-
-Monitors by their place: "right of primary", "left of DUMMY0", "below 2".
+GLFW is loaded and started here on first use, so headless machines never load it. On Linux, X11 is preferred if an X
+server (or XWayland) answers, because under Wayland a program can neither place a window on a chosen monitor nor find
+out its position (GLFW issue 2903).
 """
 
 import os
@@ -21,7 +19,7 @@ _started = False
 
 
 class UnknownMonitor(ValueError):
-    """No monitor has this number or name; the text lists those that there are."""
+    """No monitor has this number or name; the message lists the connected ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +32,7 @@ class Monitor:
     """Upper left corner on the desktop, x to the right, y down."""
     size: tuple[int, int]
     refresh_hz: float
-    """0 where the display does not tell."""
+    """0 if the display does not report it."""
 
     def __str__(self) -> str:
         (x, y), (width, height) = self.position, self.size
@@ -45,7 +43,7 @@ class Monitor:
 def _on_error(code: int, description: bytes | str) -> None:
     text = description.decode("utf-8", "replace") if isinstance(description, bytes) else description
     message = f"{text} (GLFW 0x{code:x})"
-    if not _messages or _messages[-1] != message:  # the same complaint sixty times a second is one complaint
+    if not _messages or _messages[-1] != message:  # the same message may come sixty times a second
         _messages.append(message)
 
 
@@ -55,7 +53,7 @@ def _on_monitor(_monitor: Any, _event: int) -> None:
 
 
 def load_glfw() -> None:
-    """Load GLFW and start nothing; ImportError where it is not installed."""
+    """Load GLFW without starting it; ImportError if it is not installed."""
     if sys.platform == "linux" and os.environ.get("DISPLAY"):
         # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
         os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
@@ -63,9 +61,9 @@ def load_glfw() -> None:
 
 
 def start_glfw() -> bool:
-    """Load and start GLFW if it is not running; False where there is no screen (`screen_problem` says why).
+    """Load and start GLFW if it is not running; return False if there is no screen (see `screen_problem`).
 
-    Thread: main thread only, like everything of GLFW.
+    Thread: main thread only, like all of GLFW.
     """
     global _problem, _started
     if _started:
@@ -91,7 +89,7 @@ def start_glfw() -> bool:
 
 
 def stop_glfw() -> None:
-    """Close all windows and leave the display; a later question starts anew. Does nothing when not running."""
+    """Close all windows and stop GLFW if it is running; it starts again on next use."""
     global _started
     if _started:
         import glfw
@@ -101,26 +99,26 @@ def stop_glfw() -> None:
 
 
 def screen_problem() -> str:
-    """Why there is no screen; empty when there is one."""
+    """Return why there is no screen; empty if there is one."""
     return "" if start_glfw() else _problem
 
 
 def monitor_changes() -> int:
-    """How often a monitor was plugged in or out since the start; grows only while events are polled."""
+    """Return how often a monitor was connected or disconnected since the start; counted while events are polled."""
     return _changes
 
 
 def take_messages() -> list[str]:
-    """What GLFW complained about since the last call, repetitions left out; nothing is ever printed."""
+    """Return GLFW's error messages since the last call, without repetitions; none are printed."""
     taken = list(_messages)
     _messages.clear()
     return taken
 
 
 def monitor_handles() -> list[tuple[Monitor, Any]]:
-    """Every connected monitor with GLFW's handle of it; empty where there is no screen.
+    """Return every connected monitor with its GLFW handle; empty if there is no screen.
 
-    A handle is good only until events are polled again: unplugging frees it.
+    A handle is valid until events are polled again, because disconnecting frees it.
     """
     if not start_glfw():
         return []
@@ -130,9 +128,9 @@ def monitor_handles() -> list[tuple[Monitor, Any]]:
     for handle in glfw.get_monitors() or []:
         try:
             mode = glfw.get_video_mode(handle)
-        except ValueError:  # it was unplugged while we asked: the binding meets a null pointer
+        except ValueError:  # disconnected meanwhile: the binding gets a null pointer
             continue
-        name: Any = glfw.get_monitor_name(handle)  # bytes, whatever the binding's stub says
+        name: Any = glfw.get_monitor_name(handle)  # bytes, unlike the binding's stub states
         text = name.decode("utf-8", "replace") if isinstance(name, bytes) else name or "unnamed"
         x, y = glfw.get_monitor_pos(handle)
         size = (int(mode.size.width), int(mode.size.height))
@@ -141,15 +139,14 @@ def monitor_handles() -> list[tuple[Monitor, Any]]:
 
 
 def list_monitors() -> list[Monitor]:
-    """The connected monitors, the primary one first; empty where there is no screen (see `screen_problem`)."""
+    """Return the connected monitors, the primary one first; empty if there is no screen (see `screen_problem`)."""
     return [monitor for monitor, _ in monitor_handles()]
 
 
 def find_monitor(text: str, monitors: list[Monitor] | None = None) -> Monitor:
-    """The monitor that a person means: its number (from 1), its name, or the beginning of one name only.
+    """Return the monitor with a number (from 1), a name, or an unambiguous beginning of a name.
 
-    Upper and lower case are alike. `monitors` is what to choose from (default: those connected now).
-    Raises `UnknownMonitor`, with the list of what there is.
+    Case is ignored. `monitors`: the candidates (default: the connected ones). Raises `UnknownMonitor`.
     """
     there = list_monitors() if monitors is None else monitors
     wanted = text.strip().casefold()
@@ -169,7 +166,7 @@ def find_monitor(text: str, monitors: list[Monitor] | None = None) -> Monitor:
 
 
 def same_monitor(wanted: Monitor, there: list[Monitor]) -> Monitor | None:
-    """The monitor of `there` that is `wanted` plugged in again: same name, and of several the nearest by position."""
+    """Return the monitor of `there` that is `wanted` after reconnection: same name, the nearest one if several."""
     named = [monitor for monitor in there if monitor.name == wanted.name]
     if not named:
         return None
@@ -181,9 +178,9 @@ _PLACE = re.compile(r"\s*(left of|right of|above|below)\s+(.+?)\s*", re.IGNORECA
 
 
 def find_place(text: str, monitors: list[Monitor] | None = None) -> Monitor:
-    """The monitor that is meant: `primary`, a place beside another one (the nearest there), a number or a name.
+    """Return the monitor given by `primary`, a position relative to another (the nearest there), a number or a name.
 
-    `monitors` is what to choose from (default: those connected now), the primary one first. Raises `UnknownMonitor`.
+    `monitors`: the candidates (default: the connected ones), the primary one first. Raises `UnknownMonitor`.
     """
     there = list_monitors() if monitors is None else monitors
     if text.strip().casefold() == "primary" and there:
@@ -200,7 +197,7 @@ def find_place(text: str, monitors: list[Monitor] | None = None) -> Monitor:
 
 
 def _distance(side: str, other: Monitor, each: Monitor) -> float | None:
-    """How far a monitor lies on that side of another one, middle to middle; None if it does not."""
+    """Return the distance of a monitor on that side of another one, centre to centre; None if it is not there."""
     (x, y), (across, down) = _middle(each), _middle(other)
     right, below = x - across, y - down
     ahead = {"left of": -right, "right of": right, "above": -below, "below": below}[side]

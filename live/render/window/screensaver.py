@@ -1,7 +1,7 @@
-"""Awake: no screen saver and no sleeping display while a show is on, and everything as it was afterwards.
+"""Screensaver inhibition: prevents screen saver and display sleep during a show, and restores them afterwards.
 
-X11: XScreenSaverSuspend, which the server itself takes back when the process ends, however it ends, and a reset of the
-idle time now and then for desktops that count it themselves. systemd, macOS and Windows: what they have for it.
+X11: XScreenSaverSuspend, which the server reverts when the process ends, even after a crash, and regular resets of the
+idle time for desktops that measure it themselves. systemd, macOS and Windows: their own inhibition calls.
 """
 
 import ctypes
@@ -26,20 +26,20 @@ _WINDOWS_USUAL: Final = 0x80000000
 
 
 class Awake:
-    """Keeps displays awake from `begin` to `end`. Nothing of it can fail a show. Thread: main thread only."""
+    """Inhibits display sleep from `begin` to `end`. Failures never affect a show. Thread: main thread only."""
 
     def __init__(self, x11_display: int | None = None) -> None:
-        """`x11_display`: the address of Xlib's Display, as GLFW tells it; None: there is no X server."""
+        """`x11_display`: the address of Xlib's Display, from GLFW; None: there is no X server."""
         self._display = x11_display
         self._x11: Any = None
         self._saver: Any = None
         self._child: subprocess.Popen[bytes] | None = None
         self._next = 0.0
         self.means: list[str] = []
-        """What keeps the displays awake, in words."""
+        """Names of the inhibition methods in use."""
 
     def begin(self) -> "Awake":
-        """From now on no display sleeps."""
+        """Start the inhibition."""
         if self._display is not None:
             self._suspend()
         self._start_child()
@@ -67,7 +67,7 @@ class Awake:
         self.means.append("XScreenSaverSuspend")
 
     def _start_child(self) -> None:
-        """A child that holds a lock of the system's until its standard input ends, which it does with this process."""
+        """Start a child that holds a system lock until its standard input ends, at the latest with this process."""
         command = _CHILDREN.get(sys.platform, ())
         if not command or shutil.which(command[0]) is None:
             return
@@ -79,14 +79,14 @@ class Awake:
         self.means.append(command[0])
 
     def frame(self, time: float) -> None:
-        """Once a frame, at `time` [s]: the idle time begins anew now and then."""
+        """Call once a frame, at `time` [s]; resets the idle time every `PERIOD`."""
         if self._x11 is not None and time >= self._next:
             self._next = time + PERIOD
             self._x11.XResetScreenSaver(self._display)
             self._x11.XFlush(self._display)
 
     def end(self) -> None:
-        """Displays may sleep again. To be called while the X server is still connected."""
+        """End the inhibition. Call it while the X server is still connected."""
         if self._saver is not None:
             self._saver.XScreenSaverSuspend(self._display, 0)
             self._x11.XFlush(self._display)
@@ -103,7 +103,7 @@ class Awake:
 
 
 def x11_display() -> int | None:
-    """The address of GLFW's connection to the X server; None where there is none."""
+    """Return the address of GLFW's connection to the X server, or None."""
     from live.render.window.monitors import start_glfw
 
     if not start_glfw() or sys.platform != "linux":

@@ -1,8 +1,8 @@
-"""The window: GLFW and an OpenGL 4.1 core context, full screen on the monitor of one's choice.
+"""Window with an OpenGL 4.1 core context (GLFW), full screen on a chosen monitor.
 
-It keeps its place through everything that happens to monitors during a show: when the projector's cable is pulled
-the window moves to what is left and the show goes on, and when the projector returns it is full screen there again.
-Video modes are never changed. Vertical synchronisation is asked for but never relied upon.
+If that monitor is disconnected during a show, the window moves to a remaining one and the show continues; when the
+monitor is reconnected, the window is full screen there again. Video modes are never changed. Vertical synchronisation
+is requested but not relied upon.
 """
 
 from typing import Any
@@ -22,15 +22,15 @@ from live.render.window.monitors import (
 from live.render.window.window_input import InputQueue, MonitorsChanged, WindowInput
 
 SETTLE_PERIOD = 60
-"""Polls between two looks at where the monitors are: a monitor that is only moved or resized raises no event."""
+"""Polls between two checks of monitor positions, because a moved or resized monitor causes no event."""
 
 
 class NoWindow(RuntimeError):
-    """No window can be opened here; the text says why and what can be done."""
+    """No window can be opened here; the message states the cause and the remedy."""
 
 
 class _Loader:
-    """Hands GLFW's OpenGL functions to moderngl, whichever way GLFW made its context (GLX, EGL, Cocoa)."""
+    """Function loader for moderngl that uses GLFW's context, whatever its kind (GLX, EGL, Cocoa)."""
 
     def __init__(self, glfw: Any) -> None:
         self._glfw = glfw
@@ -41,16 +41,16 @@ class _Loader:
     load = load_opengl_function
 
     def release(self) -> None:
-        """The context belongs to the window and goes with it."""
+        """Do nothing, because the window owns the context."""
 
 
 class Window:
-    """One window with its context; everything here belongs to the main thread.
+    """A window with its context. Thread: main thread only.
 
     `monitor`: where the window opens (default: the primary monitor). `size`: of the window when it is not full
-    screen, in screen coordinates. `samples`: of the screen itself (0 when the renderer brings its own). `shares`:
-    another window, whose textures and buffers are also this one's; then `swap` does not wait for the display.
-    Raises `NoWindow` where there is no screen or no OpenGL 4.1, `UnknownMonitor` when the monitor has gone.
+    screen, in screen coordinates. `samples`: of the screen itself (0 if the renderer has its own). `shares`:
+    another window, whose textures and buffers this one shares; then `swap` does not wait for the display.
+    Raises `NoWindow` without a screen or OpenGL 4.1, `UnknownMonitor` if the monitor is disconnected.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Window:
         hidden: bool = False,
         shares: "Window | None" = None,
     ) -> None:
-        """`hidden`: nobody sees the window before it is revealed."""
+        """`hidden`: the window is invisible until `reveal`."""
         if not start_glfw():
             raise NoWindow(f"no window can be opened: {screen_problem()}; without a screen, use --headless")
         import glfw
@@ -79,13 +79,13 @@ class Window:
         self._polls = 0
         self._monitor, handle = self._choose(monitor)
         covering = hidden and fullscreen
-        self._window_size = self._monitor.size if covering else size  # so that everything that draws has its size
+        self._window_size = self._monitor.size if covering else size  # so that renderers are created with this size
         other = None if shares is None else shares._handle
         self._handle: Any = self._open(title, handle if self._fullscreen else None, samples, hidden, other)
         self._window_size = size
         glfw.make_context_current(self._handle)
-        glfw.swap_interval(1 if shares is None else 0)  # one display paces the show; two would add their waits
-        loader: Any = _Loader(glfw)  # moderngl takes any object with these methods, its stub only a dictionary
+        glfw.swap_interval(1 if shares is None else 0)  # one display paces the show; waiting for two would add up
+        loader: Any = _Loader(glfw)  # moderngl accepts any object with these methods, its stub only a dictionary
         self.ctx: moderngl.Context = moderngl.create_context(require=410, context=loader)
         self._inputs = InputQueue(glfw, self._handle)
         if self._fullscreen:
@@ -94,7 +94,7 @@ class Window:
         self._fit_target()
 
     def _choose(self, monitor: Monitor | None) -> tuple[Monitor, Any]:
-        """The chosen monitor as it is now, with its handle; the primary one where none was chosen."""
+        """Return the current state and handle of the chosen monitor; the primary one by default."""
         there = monitor_handles()
         if not there:
             raise NoWindow("no window can be opened: no monitor is connected; without a screen, use --headless")
@@ -106,7 +106,7 @@ class Window:
         return next((each, handle) for each, handle in there if each is found)
 
     def _open(self, title: str, handle: Any, samples: int, hidden: bool, other: Any) -> Any:
-        """Create GLFW's window: full screen on the monitor `handle`, or in the middle of the chosen one."""
+        """Create the GLFW window: full screen on the monitor `handle`, or centred on the chosen one."""
         glfw = self._glfw
         x, y, width, height = self._centred(self._monitor)
         glfw.default_window_hints()
@@ -117,7 +117,7 @@ class Window:
             (glfw.OPENGL_FORWARD_COMPAT, True),
             (glfw.SAMPLES, samples),
             (glfw.VISIBLE, not hidden),
-            (glfw.AUTO_ICONIFY, False),  # the projector keeps its picture while the operator works elsewhere
+            (glfw.AUTO_ICONIFY, False),  # keep the projector's picture while another window has focus
             (glfw.POSITION_X, x),
             (glfw.POSITION_Y, y),
             (glfw.REFRESH_RATE, round(self._monitor.refresh_hz) or glfw.DONT_CARE),
@@ -145,26 +145,26 @@ class Window:
 
     @property
     def target(self) -> moderngl.Framebuffer:
-        """The screen, with viewport and size of this moment; do not keep it over frames."""
+        """The screen's framebuffer with its current size; do not keep it across frames."""
         return self.ctx.screen
 
     @property
     def fullscreen(self) -> bool:
-        """Whether the window is meant to be full screen (also while its monitor is unplugged)."""
+        """Whether the window is in full-screen mode (also while its monitor is disconnected)."""
         return self._fullscreen
 
     @property
     def is_home(self) -> bool:
-        """Whether it covers its monitor where it is meant to: a window whose monitor is unplugged does not."""
+        """Whether the window is on its monitor; False if it is full screen and its monitor is disconnected."""
         return not self._fullscreen or self._covers is not None
 
     @property
     def monitor(self) -> Monitor:
-        """The monitor that the window belongs to, as it was when last seen."""
+        """The window's monitor, in its last known state."""
         return self._monitor
 
     def poll(self) -> list[WindowInput]:
-        """Let GLFW work off its events and return what people did since the last call; never waits."""
+        """Process GLFW events and return inputs since the last call; does not wait."""
         self._glfw.poll_events()
         self._polls += 1
         changes = monitor_changes()
@@ -178,19 +178,19 @@ class Window:
         return self._inputs.take()
 
     def make_current(self) -> None:
-        """Let what is drawn from now on be drawn in this window's context."""
+        """Make this window's context current."""
         self._glfw.make_context_current(self._handle)
 
     def swap(self) -> None:
-        """Show the picture drawn into `target`."""
+        """Present the picture drawn into `target`."""
         self._glfw.swap_buffers(self._handle)
 
     def messages(self) -> list[str]:
-        """What GLFW complained about since the last call; nothing of it is printed."""
+        """Return GLFW's error messages since the last call; none are printed."""
         return take_messages()
 
     def toggle_fullscreen(self) -> None:
-        """Full screen on the monitor that shows most of the window, or back to where the window was before."""
+        """Switch to full screen on the monitor that shows most of the window, or back to the previous position."""
         if self._fullscreen:
             self._fullscreen = False
             self._leave_fullscreen()
@@ -204,7 +204,7 @@ class Window:
 
     def reveal(self, *, fullscreen: bool) -> None:
         """Show a window that was opened hidden."""
-        self._glfw.poll_events()  # monitors may have come and gone since
+        self._glfw.poll_events()  # monitors may have changed since
         if fullscreen:
             self._fullscreen = True
             self._settle(forced=True)
@@ -222,7 +222,7 @@ class Window:
             self._handle = None
 
     def _settle(self, forced: bool) -> None:
-        """Bring a full-screen window to its monitor: where that is now, or to what is left if it has gone."""
+        """Move a full-screen window to the current position of its monitor, or to a remaining one."""
         if not self._fullscreen:
             return
         there = monitor_handles()
@@ -239,7 +239,7 @@ class Window:
         self._cover(found, next(handle for monitor, handle in there if monitor is found))
 
     def _cover(self, monitor: Monitor, handle: Any) -> None:
-        """Full screen on a monitor in its present mode; where that is refused, a window without frame over it."""
+        """Switch to full screen in the monitor's current mode; if that is refused, use a borderless window."""
         glfw, (width, height) = self._glfw, monitor.size
         rate = round(monitor.refresh_hz) or glfw.DONT_CARE
         self._show_cursor(False)
@@ -252,7 +252,7 @@ class Window:
             glfw.set_window_size(self._handle, width, height)
 
     def _leave_fullscreen(self) -> None:
-        """Become a window: where it was before, or in the middle of its monitor (of the first, if it has gone)."""
+        """Leave full screen: to the previous position, or centred on its monitor (the first one if disconnected)."""
         glfw = self._glfw
         self._covers = None
         self._show_cursor(True)
@@ -268,13 +268,13 @@ class Window:
         glfw.set_window_monitor(self._handle, None, *place, glfw.DONT_CARE)
 
     def _monitor_under(self, place: tuple[int, int, int, int]) -> Monitor:
-        """The monitor that shows most of (x, y, width, height); the present one where none shows any of it."""
+        """Return the monitor that shows most of (x, y, width, height); the current one if none shows any of it."""
         there = [monitor for monitor, _ in monitor_handles()]
         best = max(there, key=lambda monitor: _overlap(place, monitor), default=self._monitor)
         return best if _overlap(place, best) else same_monitor(self._monitor, there) or best
 
     def _centred(self, monitor: Monitor) -> tuple[int, int, int, int]:
-        """Place (x, y, width, height) of a window in the middle of a monitor, no larger than it."""
+        """Return the rectangle (x, y, width, height) of a window centred on a monitor, no larger than it."""
         (x, y), (columns, rows) = monitor.position, monitor.size
         width, height = min(self._window_size[0], columns), min(self._window_size[1], rows)
         return x + (columns - width) // 2, y + (rows - height) // 2, width, height
@@ -284,7 +284,7 @@ class Window:
         glfw.set_input_mode(self._handle, glfw.CURSOR, glfw.CURSOR_NORMAL if shown else glfw.CURSOR_HIDDEN)
 
     def _fit_target(self) -> None:
-        """Give moderngl's screen the size of this moment: left alone it keeps its first one for ever."""
+        """Set moderngl's screen to the current size, because it keeps its first one."""
         screen: Any = self.ctx.screen
         size = self._inputs.framebuffer_size
         if screen.size != size or screen.viewport != (0, 0, *size):
@@ -293,7 +293,7 @@ class Window:
 
 
 def _overlap(place: tuple[int, int, int, int], monitor: Monitor) -> int:
-    """Area of (x, y, width, height) that a monitor shows, in screen coordinates."""
+    """Return the area of (x, y, width, height) that a monitor shows, in screen coordinates."""
     x, y, width, height = place
     (left, top), (columns, rows) = monitor.position, monitor.size
     across = min(x + width, left + columns) - max(x, left)

@@ -1,4 +1,4 @@
-"""What people do at a window, as frozen values, and the queue that turns GLFW's callbacks into them.
+"""Window inputs as frozen values, and the queue that collects them from GLFW's callbacks.
 
 Pixels are those of the framebuffer, from the upper left corner, x to the right and y down.
 """
@@ -52,12 +52,12 @@ class Resized:
 
 @dataclass(frozen=True, slots=True)
 class CloseRequested:
-    """Somebody asked the desktop to close the window; it stays open until the program closes it."""
+    """The user asked to close the window; it stays open until the program closes it."""
 
 
 @dataclass(frozen=True, slots=True)
 class MonitorsChanged:
-    """A monitor was plugged in or out; the window has already found its place again."""
+    """A monitor was connected or disconnected; the window has already been moved."""
 
 
 WindowInput: TypeAlias = (
@@ -65,7 +65,7 @@ WindowInput: TypeAlias = (
 )
 
 QUEUE_LIMIT = 1024
-"""Inputs kept between two polls; more than that in one frame is no human hand, and the rest is left out."""
+"""Maximum number of inputs between two polls; further ones are dropped."""
 
 _NAMED_KEYS = (
     *("space", "escape", "tab", "backspace", "insert", "delete", "pause"),
@@ -74,9 +74,9 @@ _NAMED_KEYS = (
 
 
 def _physical_names(glfw: Any) -> dict[int, str]:
-    """Names of keys that mean the same on every keyboard layout, by GLFW's key number."""
+    """Return names of keys that are the same on every keyboard layout, by GLFW's key number."""
     names = {getattr(glfw, f"KEY_F{number}"): f"f{number}" for number in range(1, 26)}
-    for digit in range(10):  # the digit row by its place: on some layouts it needs shift to write a digit
+    for digit in range(10):  # the digit row by position: some layouts need shift for digits
         names[getattr(glfw, f"KEY_{digit}")] = names[getattr(glfw, f"KEY_KP_{digit}")] = str(digit)
     for word in _NAMED_KEYS:
         names[getattr(glfw, f"KEY_{word.upper()}")] = word
@@ -85,9 +85,9 @@ def _physical_names(glfw: Any) -> dict[int, str]:
 
 
 class InputQueue:
-    """Collects what GLFW reports about one window while events are polled.
+    """Collects the inputs that GLFW reports for one window while events are polled.
 
-    Thread: main thread only, like everything of GLFW.
+    Thread: main thread only, like all of GLFW.
     """
 
     def __init__(self, glfw: Any, window: Any) -> None:
@@ -107,19 +107,19 @@ class InputQueue:
         glfw.set_window_close_callback(window, self._on_close)
 
     def take(self) -> list[WindowInput]:
-        """What came since the last call, in order; of pointer moves without anything between them only the last."""
+        """Return the inputs since the last call, in order; only the last of consecutive pointer moves."""
         taken, self._inputs = self._inputs, []
         return taken
 
     def put(self, value: WindowInput) -> None:
-        """Append one input; a pointer move replaces the one right before it."""
+        """Append an input; a pointer move replaces one immediately before it."""
         if isinstance(value, PointerMoved) and self._inputs and isinstance(self._inputs[-1], PointerMoved):
             self._inputs[-1] = value
         elif len(self._inputs) < QUEUE_LIMIT:
             self._inputs.append(value)
 
     def key_name(self, key: int, scancode: int) -> str:
-        """The key's name: letters as the keyboard layout writes them, or by place where that is not ASCII."""
+        """Return the key's name: the letter of the keyboard layout, or by position if that is not ASCII."""
         if key in self._physical:
             return self._physical[key]
         written = self._glfw.get_key_name(key, scancode)
@@ -138,7 +138,7 @@ class InputQueue:
                 self.put(KeyPressed(name, self._shift, bool(modifiers & self._glfw.MOD_CONTROL)))
 
     def _pixels(self) -> tuple[float, float]:
-        """The pointer, from GLFW's screen coordinates to framebuffer pixels (they differ on dense displays)."""
+        """Return the pointer in framebuffer pixels, which differ from screen coordinates on high-density displays."""
         (x, y), (width, height), (columns, rows) = self._pointer, self.framebuffer_size, self._window_size
         return x * width / max(columns, 1), y * height / max(rows, 1)
 
@@ -146,7 +146,7 @@ class InputQueue:
         if button != self._glfw.MOUSE_BUTTON_LEFT:
             return
         self._shift = bool(modifiers & self._glfw.MOD_SHIFT)
-        # where the last move went: GLFW would tell where the pointer is by now, which is elsewhere in a fast drag
+        # position of the last move: in a fast drag, GLFW's current position is already elsewhere
         kind = PointerPressed if action == self._glfw.PRESS else PointerReleased
         self.put(kind(*self._pixels(), self._shift))
 
@@ -161,7 +161,7 @@ class InputQueue:
 
     def _on_window_size(self, window: Any, width: int, height: int) -> None:
         self._window_size = (width, height)
-        self._pointer = self._glfw.get_cursor_pos(window)  # the window moved, not the pointer: no move is reported
+        self._pointer = self._glfw.get_cursor_pos(window)  # GLFW reports no move if the window moves under the pointer
 
     def _on_close(self, window: Any) -> None:
         self._glfw.set_window_should_close(window, False)

@@ -1,1 +1,1 @@
-"""Phones in a show: votes and touches become parameters. It may import what `show` may."""
+"""Audience phones in a show: votes and touches become parameters. It may import what `show` may."""

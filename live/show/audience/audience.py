@@ -1,7 +1,7 @@
-"""Audience: what the phones of a show want, and what the operator lets them: elements, lights, votes (T002, T150).
+"""Audience of a show: elements, lights and votes from phones, limited by the operator (T002, T150).
 
-What comes is one event a tick at most, made of all voices by the gateway (`live/control/audience`). Everything here
-follows from events and measure lines alone, so that a replay dances with the same audience.
+The gateway (`live/control/audience`) sends one aggregated event per tick at most. All behaviour follows from events and
+measure lines alone, so that a replay has the same audience.
 """
 
 from dataclasses import dataclass
@@ -26,30 +26,30 @@ AUDIENCE_EVENTS: Final = (
     events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,
     events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.AllowShaking,
 )  # fmt: skip
-"""The events that `act` takes."""
+"""Events that `act` handles."""
 SOURCE: Final = "audience"
 FULL: Final = 4.0
-"""Voices that pull with full strength: see `QUORUM` of the fair kernels."""
+"""Votes that pull with full strength: see `QUORUM` of the fair kernels."""
 MOST_PLACES: Final = 4
 LED: Final = 0.25
-"""So strongly the audience is heard while an operator's or a musician's own element acts."""
+"""Audience gain while an element of an operator or musician is active."""
 SHARPNESS: Final = 4.0
-"""A place that is left with half the voices of the heaviest one repels 2 to the power of this less."""
+"""Sharpness of repulsion: a place with half the weight of the heaviest repels 2 to the power of this less."""
 SHAKEN: Final = 0.5
 CALMED: Final = 0.3
-"""Dancers spread once that share of those who play shakes; again only after fewer than this did."""
+"""A spread starts above the first share of shaking players, and again only after the share fell below the second."""
 MOST_BANNED: Final = 4096
 FOLLOWING: Final = 0.06
-"""Half-life [s] in which a light is where its phone says."""
+"""Half-life [s] of a light's approach to its phone's position."""
 FADING: Final = 0.12
-"""Half-life [s] in which a light comes and goes."""
+"""Half-life [s] of a light's fade in and out."""
 REPEL: Final = 2
-"""The mode of a voice that sends dancers away."""
+"""Mode of a touch that repels dancers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where voices gather: (x, z) [m], weight in parts of the heaviest place, and whether they repel."""
+    """Cluster of touches: position (x, z) [m], weight relative to the heaviest place, and whether it repels."""
 
     x: float
     z: float
@@ -66,28 +66,28 @@ class Audience:
         self._vote_measures = section.vote_measures
         self.open, self.gain, self.muted, self.shaking = section.open, section.gain, False, section.shake
         self.weights: list[float] = [1.0] * len(section.regions)
-        """What each voice of a region weighs."""
+        """Weight of each region's votes and touches."""
         self.turn: Turn | None = None
         self.vote: Vote | None = None
         self.result: tuple[int, str] = (0, "")
-        """Number of the last vote and what it called; empty: nothing."""
+        """Number of the last vote and its winner; empty: none."""
         self.banned: dict[int, None] = {}
-        """Numbers of phones that are not heard, in turn."""
+        """Numbers of banned phones, oldest first."""
         self.order = 0
-        """How many words of the operator the gateway has to heed: what it made before the last is not heard."""
+        """Number of operator commands the gateway has to follow; aggregates made before the last one are ignored."""
         self.phones = 0
         self._votes = 0
         self._share = 0.0
         self._places: tuple[Place, ...] = ()
         self._shaken = False
         self._number: Int64 = np.zeros(LIGHT_CAPACITY, np.int64)
-        """Whose each light is; 0: nobody's."""
+        """Phone number of each light; 0: unused."""
         self._lit: npt.NDArray[np.bool_] = np.zeros(LIGHT_CAPACITY, np.bool_)
         self._goal: Float32 = np.zeros((LIGHT_CAPACITY, 2), np.float32)
         self._light: Float32 = np.zeros((LIGHT_CAPACITY, 5), np.float32)
 
     def take_patch(self, fresh: "Audience") -> None:
-        """Another patch may have other regions; those of the same name keep their weight."""
+        """Adopt the regions of an edited patch; weights are kept by name."""
         if fresh.regions != self.regions:
             known = dict(zip(self.regions, self.weights, strict=True))
             self.regions, self.weights = fresh.regions, [known.get(name, 1.0) for name in fresh.regions]
@@ -101,9 +101,9 @@ class Audience:
         self, event: ControlEvent, elements: Elements, *, beat: float, beats_per_measure: int, measure: int,
         position: Float32, known: dict[str, tuple[str, ...]],
     ) -> None:  # fmt: skip
-        """Let an event of `AUDIENCE_EVENTS` act at `beat` of `measure`; PersonError if it asks for what is not there.
+        """Handle an event of `AUDIENCE_EVENTS` at `beat` of `measure`; raises PersonError if it names unknown parts.
 
-        `known`: what can be voted for, by kind.
+        `known`: names that can be voted for, by kind.
         """
         if isinstance(event, events.AudienceHeard):
             self._hear(event)
@@ -112,7 +112,7 @@ class Audience:
         self._gather(elements, event.time, beat, beats_per_measure, position)
 
     def _obey(self, event: ControlEvent, measure: int, known: dict[str, tuple[str, ...]]) -> None:
-        """A word of the operator."""
+        """Handle an operator command."""
         match event:
             case events.OpenAudience():
                 self.open = event.on
@@ -163,7 +163,7 @@ class Audience:
         elif not on:
             self.banned = {} if number <= 0 else {each: None for each in self.banned if each != number}
 
-    # -- what is heard -------------------------------------------------------------------------------------------
+    # -- input from phones ---------------------------------------------------------------------------------------
 
     def _hear(self, event: events.AudienceHeard) -> None:
         self.phones = max(event.phones, 0)
@@ -181,7 +181,7 @@ class Audience:
         self._shaken = share > (CALMED if self._shaken else SHAKEN)
 
     def _see(self, rows: list[tuple[int, ...]]) -> None:
-        """Which lights there are now; those that are left out fade."""
+        """Update the lights; those not listed fade out."""
         self._lit[:] = False
         for number, x, z, hue, mode in rows:
             if number <= 0 or number in self.banned:
@@ -195,7 +195,7 @@ class Audience:
             self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL)
 
     def _gather(self, elements: Elements, time: float, beat: float, size: int, position: Float32) -> None:
-        """Let the places act as elements: those that attract as voices, in which many win, those that repel alike."""
+        """Apply the places as elements: attracting ones as Voice, repelling ones as Repel."""
         heard = self.open and not self.muted
         pull = self.gain * self._share if heard else 0.0
         if pull > 0.0 and _led(elements, beat):
@@ -225,7 +225,7 @@ class Audience:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def begin_measure(self, measure: int, time: float) -> list[ControlEvent]:
-        """A measure (from 0) begins: turns begin and end, and what a vote that ends with it calls."""
+        """Begin a measure (from 0): update turns, and return the events of a vote that closes."""
         turn = self.turn
         if turn is not None and measure in (turn.begins, turn.ends):
             self.order += 1
@@ -239,14 +239,14 @@ class Audience:
         return called(vote.what, winner, time) if winner else []
 
     def heard_regions(self, measure: int) -> list[float]:
-        """What each region's voices weigh in a measure: of all but one nothing while it is its turn."""
+        """Return the weight of each region in a measure; during a turn all others have 0."""
         turn = self.turn
         if turn is None or not turn.begins <= measure < turn.ends:
             return list(self.weights)
         return [weight if index == turn.region else 0.0 for index, weight in enumerate(self.weights)]
 
     def tick(self) -> None:
-        """Lights go to their phones' places, come and go; nothing, at no cost, while there are none."""
+        """Update light positions and fades; costs nothing without lights."""
         if not self._number.any():
             return
         light = self._light
@@ -254,7 +254,7 @@ class Audience:
         light[:, 3] += (self._lit - light[:, 3]) * np.float32(1.0 - 0.5 ** (TICK / FADING))
         self._number[~self._lit & (light[:, 3] < 0.01)] = 0
 
-    # -- what is seen --------------------------------------------------------------------------------------------
+    # -- drawing -------------------------------------------------------------------------------------------------
 
     def show(self, view: StageView) -> None:
         """Copy the lights into the drawing snapshot."""
@@ -264,7 +264,7 @@ class Audience:
             view.light[: len(rows)] = self._light[rows]
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return values for the status."""
         vote = self.vote
         return {
             "open": self.open, "muted": self.muted, "gain": round(self.gain, 3), "heard": round(self._share, 3),
@@ -279,7 +279,7 @@ class Audience:
 
 
 def _led(elements: Elements, beat: float) -> bool:
-    """Whether an operator or a musician has an element in force: who ranks over the audience."""
+    """Whether an element of an operator or musician is active; these have priority over the audience."""
     return any(
         element.source != SCORE and not element.source.startswith(SOURCE) and not element.fair
         and element.level(beat) > 0.0
@@ -288,7 +288,7 @@ def _led(elements: Elements, beat: float) -> bool:
 
 
 def _rows(text: str, size: int) -> list[tuple[int, ...]]:
-    """Whole numbers, rows of `size` (0: any): what is none, or of another length, is left out."""
+    """Parse rows of `size` integers (0: any length); invalid rows are skipped."""
     rows = []
     for entry in "" if text == "-" else text.split(","):
         try:

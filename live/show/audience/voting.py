@@ -1,4 +1,4 @@
-"""Turns and votes of an audience, as values: whose turn it is, what is voted for, and who wins."""
+"""Turns and votes of an audience, as immutable values."""
 
 from dataclasses import dataclass, replace
 from typing import Final
@@ -10,14 +10,14 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 
 VOTES: Final = ("step", "scene", "look", "cue")
-"""What can be voted for."""
+"""Kinds of votes."""
 SOURCE: Final = "audience vote"
 _CHANCE: Final = 0xA0D1
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Only this region (by its index) is heard from the line of measure `begins` (from 0) to that of `ends`."""
+    """Only this region (by index) is active from the line of measure `begins` (from 0) to that of `ends`."""
 
     region: int
     begins: int
@@ -26,22 +26,23 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Vote:
-    """A vote that runs until the line of measure `closes` (from 0)."""
+    """A vote that is open until the line of measure `closes` (from 0)."""
 
     number: int
     what: str
     choices: tuple[str, ...]
     closes: int
     counts: tuple[int, ...] = ()
-    """Voices for each choice, in hundredths."""
+    """Votes for each choice, in hundredths."""
 
     def counted(self, said: tuple[int, ...]) -> "Vote":
-        """With these counts, (number of the vote, hundredths for each choice); as it was if they are of another one."""
+        """Return the vote with these counts, (number of the vote, hundredths for each choice); unchanged if they
+        belong to another vote."""
         good = len(said) == len(self.choices) + 1 and said[0] == self.number and min(said) >= 0
         return replace(self, counts=said[1:]) if good else self
 
     def winner(self, seed: int) -> str:
-        """The choice with most voices, one of them by chance if several have; empty if nobody voted."""
+        """Return the choice with most votes, a tie broken by chance; empty if there are no votes."""
         if not any(self.counts):
             return ""
         first = [index for index, count in enumerate(self.counts) if count == max(self.counts)]
@@ -49,16 +50,16 @@ class Vote:
 
     @property
     def tally(self) -> dict[str, dict[str, float]]:
-        """For the status."""
+        """Counts for the status."""
         counts = self.counts or (0,) * len(self.choices)
         return {"choices": {name: count / 100 for name, count in zip(self.choices, counts, strict=True)}}
 
 
 def choices_of(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """What is voted for, as it is called in the patch; PersonError for what is not there."""
+    """Return the choices with their names in the patch; raises PersonError for unknown ones."""
     what = event.what.strip().casefold()
     if what not in VOTES or what != event.what:
-        raise PersonError(f"nobody can vote for {event.what!r}", f"one of {', '.join(VOTES)}")
+        raise PersonError(f"there is no vote on {event.what!r}", f"one of {', '.join(VOTES)}")
     names = {name.casefold().strip(): name for name in known[what]}
     found = []
     for asked in filter(None, (event.first, event.second, event.third, event.fourth)):
@@ -72,7 +73,7 @@ def choices_of(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tupl
 
 
 def called(what: str, winner: str, time: float) -> list[ControlEvent]:
-    """What the winner of a vote brings."""
+    """Return the events that the winner of a vote triggers."""
     match what:
         case "step":
             return [events.CallStep(time=time, source=SOURCE, name=winner)]

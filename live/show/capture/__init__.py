@@ -1,1 +1,1 @@
-"""Captured performers on the stage. It may import what `show` may."""
+"""Live captured performers on the stage. It may import what `show` may."""

@@ -1,9 +1,9 @@
-"""Mocap: performers who are captured live, and dancers who move as they do.
+"""Live motion capture: dancers of the show that wear the poses of captured performers.
 
-Each performer is a dancer of the show: that one wears her pose and stands where she stands; her agent is there, too, so
-that the others avoid her and her group's elements know her, and nothing that steering wants moves her. What her dancer
-would dance by herself goes on unseen beneath, carried along to where she is: when the capture falls silent, its last
-pose is held for a quarter of a second, then her dancer goes on from there within a measure; back again as well.
+Each performer drives one dancer and the position of its agent, so that others avoid the agent and the group's elements
+include it; steering does not move it. The dancer's own steps continue unseen at the same position. When the capture
+falls silent, the last pose is held for a quarter of a second; then the own steps fade in within a measure, and the
+capture fades in likewise when it returns.
 """
 
 from collections.abc import Callable, Iterable
@@ -36,7 +36,7 @@ MOCAP_EVENTS: Final = (
     events.MocapFrame, events.TrackerMoved, events.CastMocap, events.ShowMocap, events.MirrorMocap, events.PlaceMocap,
     events.CanonMocap, events.BlockMocap, events.DrawMocap,
 )  # fmt: skip
-"""The events that `act` takes."""
+"""Events that `act` handles."""
 SAID: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] = {
     "dancer": (events.CastMocap, ("dancer",)),
     "shown": (events.ShowMocap, ("shown",)),
@@ -46,10 +46,10 @@ SAID: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] = {
     "obstacle": (events.BlockMocap, ("obstacle",)),
     "attract": (events.DrawMocap, ("strength", "group")),
 }
-"""What can be said of a performer, as in `/dance/mocap/NAME/...`, by which event and its fields."""
+"""Settings of a performer, as in `/dance/mocap/NAME/...`: the event and its fields."""
 NOBODY: Final = "none"
 SPEED_SHARE: Final = 0.15
-"""So much of a new speed is believed in a tick: a capture trembles."""
+"""Smoothing of agent speed: share of a new value taken per tick, because capture is noisy."""
 
 
 class Mocap:
@@ -65,14 +65,14 @@ class Mocap:
         self._place, self._speed = np.zeros((count, 2)), np.zeros((count, 2))
         self._presence = Presence(motion)
         self._time = 0.0
-        for index, section in enumerate(patch.mocap):  # whatever is wrong is told at the start
+        for index, section in enumerate(patch.mocap):  # report invalid words at the start
             for key, words in (("dancer", section.dancer), ("canon", section.canon), ("attracts", section.attracts)):
                 if words is not None and words.strip() != NOBODY:
                     with named(f"mocap {section.name!r}", ("mocap", index, key)):
                         motion.casting.select(words, motion.state.position)
 
     def take_patch(self, fresh: "Mocap") -> None:
-        """Take up what an edited patch says otherwise; what was changed live stays."""
+        """Adopt the sections of an edited patch that changed; live settings stay for the others."""
         old = {section.name: section for section in self._patch.mocap}
         for section in fresh._patch.mocap:
             if section != old.pop(section.name, None):
@@ -86,7 +86,7 @@ class Mocap:
     # -- events --------------------------------------------------------------------------------------------------------
 
     def act(self, event: ControlEvent, *, beat: float) -> None:
-        """Let an event act that came at the danced `beat`; PersonError for what is not there."""
+        """Handle an event at the danced `beat`; raises PersonError for unknown names."""
         match event:
             case events.MocapFrame():
                 try:
@@ -101,7 +101,7 @@ class Mocap:
                 self._direct(event, self._whom(event.performer))
 
     def _direct(self, event: ControlEvent, captured: Captured) -> None:
-        """Something is said of a performer."""
+        """Change a setting of a performer."""
         match event:
             case events.CastMocap():
                 if event.dancer.strip() != NOBODY:
@@ -125,8 +125,10 @@ class Mocap:
                 captured.attract, captured.attracts = event.strength, group
 
     def say(self, name: str, what: str, values: Iterable[Plain] | None) -> None:
-        """Say of a performer what `Captured.said` has under `what`, None: what it is before anything is said; nothing
-        where she is not there any more."""
+        """Restore the setting `what` of a performer to `values` (see `Captured.said`); None: the default.
+
+        Does nothing if the performer is gone.
+        """
         captured = self.performers.get(name)
         if captured is not None:
             kind, fields = SAID[what]
@@ -136,7 +138,7 @@ class Mocap:
             self._direct(kind(time=self._time, source="mocap", performer=name, **said), captured)
 
     def _track(self, event: events.TrackerMoved) -> None:
-        """Somebody or something with a tracker is elsewhere: a performer, or what dancers go around."""
+        """Handle the position of a tracker: of a performer, or of a real dancer as an obstacle."""
         place = self._patch.psn.on_floor((event.x, event.y, event.z))
         captured = self._at(event.tracker)
         if captured is not None:
@@ -148,7 +150,7 @@ class Mocap:
                 raise PersonError("there is no place for more obstacles", "name those who matter in [[mocap]]")
 
     def _at(self, tracker: str) -> Captured | None:
-        """The performer who stands at a tracker: who names it, or is called so and names none."""
+        """Return the performer with this tracker: by its setting, or by the performer's name if none is set."""
         for name, captured in self.performers.items():
             if tracker == (captured.section.tracker or name):
                 return captured
@@ -167,7 +169,8 @@ class Mocap:
     # -- time ----------------------------------------------------------------------------------------------------------
 
     def tick(self, time: float, danced: float, timeline: Timeline, next_line: float) -> None:
-        """One tick at `time` [s], the `danced` beat; after the dancers' own. `next_line`: the beat of the next line."""
+        """Advance by one tick at `time` [s], the `danced` beat; call after the dancers' tick. `next_line`: the
+        danced beat of the next measure line."""
         self._time = time
         if not self.performers:
             return
@@ -190,7 +193,8 @@ class Mocap:
         self._give_way(led)
 
     def _cast(self, captured: Captured, taken: set[int], time: float, danced: float) -> Bool:
-        """Who shall wear her poses: new ones are added to her rows; returns for whom of these it is meant, (n,)."""
+        """Choose the dancers to wear the performer's poses and add new ones to `rows`; return which rows are wanted,
+        (n,)."""
         wanted: dict[int, float] = {}
         if captured.shown and captured.poses.count:
             own = self._own(captured, taken)
@@ -209,18 +213,18 @@ class Mocap:
                          zip(captured.rows.tolist(), captured.delay.tolist(), strict=True)], np.bool_)  # fmt: skip
 
     def _own(self, captured: Captured, taken: set[int]) -> int | None:
-        """The dancer who is her; None if nobody is."""
+        """Return the row of the performer's own dancer; None if there is none."""
         if captured.dancer is not None and captured.dancer.strip() == NOBODY:
             return None
         for row, beats in zip(captured.rows.tolist(), captured.delay.tolist(), strict=True):
             if beats == 0.0 and self._motion.present[row]:
-                return int(row)  # who is her stays her, wherever the words would find somebody now
+                return int(row)  # an assigned dancer stays assigned, even if the words select another one now
         others = {row for other in self.performers.values() if other is not captured for row in other.rows.tolist()}
         there = self._there("*" if captured.dancer is None else captured.dancer)
         return next((row for row in there if row not in taken and row not in others), None)
 
     def _there(self, words: str) -> list[int]:
-        """Dancers on the stage whom words mean; nobody where they mean nobody any more."""
+        """Return the rows of present dancers that the words select; empty if they select none."""
         try:
             who = self._motion.casting.select(words, self._motion.state.position)
         except PersonError:
@@ -229,7 +233,7 @@ class Mocap:
         return found
 
     def _lead(self, captured: Captured, live: Bool, asked: Float64) -> None:
-        """Her dancers' agents stand where they are seen, and their own dance goes along with who is wholly her."""
+        """Move agents to where the dancers are seen, and move the hidden steps of fully driven dancers along."""
         rows, dancers = captured.rows, self._dancers
         there, way = captured.find(asked, live, dancers.shown, dancers.leg_rotation)
         self._put(rows, there, live)
@@ -238,12 +242,13 @@ class Mocap:
             self._scheduler.carrying.take_along(rows[gone], way[gone])
 
     def _put(self, rows: Int64, there: Float64, live: Bool) -> None:
-        """The agents of `rows` (n,) who are `live` (n,) stand `there` (n, 2) [m]."""
+        """Move the agents of `rows` (n,) that are `live` (n,) to `there` (n, 2) [m]."""
         flat = self._motion.state.flat
         put_agents(rows, live, there, self._place, self._speed, self._led, flat, TICK, FASTEST, SPEED_SHARE)
 
     def _lead_tracked(self, captured: Captured, taken: set[int], led: set[int], time: float) -> None:
-        """Of whom only the place is known: her dancer's agent stands there, and the dancer dances there after it."""
+        """For a performer with a tracker but no pose: move the dancer's agent to the tracker; the dancer's steps
+        follow."""
         words = captured.dancer
         if words is None or words.strip() == NOBODY or captured.is_danced or not captured.is_tracked(time):
             captured.follower = -1
@@ -260,7 +265,7 @@ class Mocap:
         self._put(np.array([row]), np.array([captured.stands(time)], np.float64), np.ones(1, np.bool_))
 
     def _give_way(self, led: set[int]) -> None:
-        """Everybody makes room for dancers who are led, and these for nobody: they cannot."""
+        """Let all agents avoid the driven ones, which avoid no others."""
         now = np.zeros(len(self._led), np.bool_)
         now[list(led)] = True
         changed = np.flatnonzero(now != self._led)
@@ -269,10 +274,10 @@ class Mocap:
             self._motion.yield_to(changed, now[changed])
             self._led = now
 
-    # -- what is told --------------------------------------------------------------------------------------------------
+    # -- reports -------------------------------------------------------------------------------------------------------
 
     def facts(self, time: float) -> dict[str, Any]:
-        """For the status: of each performer whom she is, how much of her is seen, and since when nothing has come."""
+        """Return for the status, by performer: dancers, visible weight, and seconds since the last data."""
         told: dict[str, Any] = {}
         for name, captured in self.performers.items():
             ago = time - captured.last

@@ -1,7 +1,4 @@
-"""Captured: one performer who is captured live: her last poses, who wears them, and how much of them is seen.
-
-Directed: what patch and people say of a captured performer: who she is, where, how, and what she does to others.
-"""
+"""One live captured performer: settings, latest poses, and the dancers that wear them with their fade."""
 
 import math
 from typing import Any, Final
@@ -20,30 +17,31 @@ from live.show.patch.section_io import MocapSection
 
 
 class Directed:
-    """What is said of one performer. Thread: the show's."""
+    """Settings of one performer from patch and controls. Thread: the show's."""
 
     def __init__(self, section: MocapSection) -> None:
         self.section = section
         self.shown, self.mirrored = section.shown, section.mirrored
         self.obstacle, self.attract, self.attracts = section.obstacle, section.attract, section.attracts
         self.dancer = section.dancer
-        """Words for the dancer who is her; None: anybody who is free."""
+        """Words for the performer's own dancer; None: any free dancer."""
         self.canon, self.canon_beats = section.canon, section.canon_beats
         self.lay(*section.at, section.turn_deg, section.scale)
 
     def lay(self, x: float, z: float, turn: float, scale: float) -> None:
-        """The middle of her floor lies at x, z [m], it is turned so far [degrees], and her ways are so long."""
+        """Place the origin of the performer's floor at x, z [m], turned by `turn` [degrees], with paths scaled by
+        `scale`."""
         self.turn, self.scale = turn, scale
         self.origin = x, z, math.radians(turn)
 
     @property
     def later(self) -> float:
-        """How much later she is shown than she was received [s]."""
+        """Display delay after reception [s]."""
         return self.section.delay_ms / 1000.0
 
     @property
     def said(self) -> dict[str, tuple[Plain, ...]]:
-        """What is said of her now, as in `/dance/mocap/NAME/...`: the values that each control takes."""
+        """Present settings as in `/dance/mocap/NAME/...`: the values of each control."""
         x, z, _ = self.origin
         return {
             "dancer": ("*" if self.dancer is None else self.dancer,),
@@ -61,58 +59,60 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 HOLD: Final = 0.25
-"""A pose of which no newer one comes is held for so long [s]; then her dancer goes on by herself."""
+"""Time [s] for which the last pose is held; then the dancer's own steps fade in."""
 FOLLOWS: Final = 0.3
-"""So much of the way to where a tracker is said to be is gone in a tick."""
+"""Smoothing of tracker positions: share of the distance covered per tick."""
 LEAVES: Final = -1.0
-"""The delay of a dancer who was her and is her no more."""
+"""Delay value of a dancer who was the performer's own and is released."""
 _OFFSETS: Final = np.array(SKELETON.offsets, np.float32)
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
 
 
 class Captured(Directed):
-    """One performer. Her own dancer is the first of `rows`; after her those who repeat her. Thread: the show's."""
+    """One performer. The own dancer is the first of `rows`; those in canon follow. Thread: the show's."""
 
     def __init__(self, section: MocapSection, half: Float64) -> None:
-        """`half` (2,): half width and half depth of the stage [m], the array that the show keeps up to date."""
+        """`half` (2,): half width and half depth of the stage [m]; the show updates this array in place."""
         super().__init__(section)
         self.edges = Edges(half)
-        """What keeps those who repeat her on the stage."""
+        """Stage bounds for dancers in canon."""
         self.rows: Int64 = np.zeros(0, np.int64)
-        """Dancers who wear her poses, (n,)."""
+        """Dancers who wear the poses, (n,)."""
         self.delay: Float64 = np.zeros(0)
-        """How many beats later than she, (n,); her own dancer has 0."""
+        """Canon delay in beats, (n,); the own dancer has 0."""
         self.share: Float64 = np.zeros(0)
-        """How far each has come into her poses, 0 to 1 evenly in time, (n,)."""
+        """Fade level of each dancer, 0 to 1, linear in time, (n,)."""
         self.moved: Float64 = np.zeros((0, 2))
-        """How far from her each dances [m], (n, 2)."""
+        """Offset of each dancer from the performer's position [m], (n, 2)."""
         self.turned: Float64 = np.zeros(0)
-        """How far each was turned from her own heading at the last tick [rad], whole turns counted, (n,)."""
+        """Angle from each dancer's own heading at the last tick [rad], unwrapped, (n,)."""
         self.poses = HeardPoses()
-        """Her last poses, where her tracker has corrected them."""
+        """Latest poses, corrected by the tracker."""
         self.draws = 0.0
-        """1 while an attractor follows her, -1 while a repulsor does."""
+        """1 while an attractor follows the performer, -1 while a repulsor does."""
         self.follower = -1
-        """The dancer who goes where her tracker is; -1: nobody."""
+        """Dancer who follows the tracker; -1: none."""
         self._spot = self._target = (0.0, 0.0)
         self._tracked = -math.inf
         self.anchor = Anchor()
-        """What her tracker corrects of where her suit has her."""
+        """Correction of the suit's position by the tracker."""
         self._suit, self._anchored = (0.0, 0.0), False
 
     @property
     def is_danced(self) -> bool:
-        """Whether a dancer is her, wholly or partly."""
+        """Whether an own dancer wears the poses, fully or partly."""
         return bool(self.share[self.delay == 0.0].any())
 
     def recast(self, dancer: str) -> None:
-        """She is another dancer from now on; whom she was goes back to her own dance."""
+        """Assign another own dancer; the previous one returns to its own steps."""
         self.dancer, self.follower = dancer, -1
         self.delay[self.delay == 0.0] = LEAVES
 
     def add(self, rows: dict[int, float], shown: Float32, time: float, beat: float) -> None:
-        """These dancers wear her poses too, so many beats later; at first nothing of them is seen. Who repeats her
-        does that from where she is, `shown` (A, 2) [m]."""
+        """Let these dancers wear the poses with a delay in beats, at fade level 0.
+
+        Dancers in canon start from their positions `shown` (A, 2) [m].
+        """
         new = np.array(list(rows), np.int64)
         self.rows = np.concatenate([self.rows, new])
         self.delay = np.concatenate([self.delay, np.array(list(rows.values()))])
@@ -125,14 +125,14 @@ class Captured(Directed):
         self.moved[fresh] = shown[self.rows[fresh]] - place[fresh]
 
     def keep(self, kept: npt.NDArray[np.bool_]) -> None:
-        """Only these of `rows` go on wearing her poses, (n,)."""
+        """Keep only these of `rows`, (n,)."""
         if not kept.all():
             self.rows, self.delay = self.rows[kept], self.delay[kept]
             self.share, self.moved, self.turned = self.share[kept], self.moved[kept], self.turned[kept]
             self.edges.keep(kept)
 
     def take(self, other: "Captured") -> None:
-        """Go on with the poses and dancers of `other`, who is the same performer."""
+        """Take over the poses and dancers of `other`, which is the same performer."""
         for name in (
             "rows",
             "delay",
@@ -149,7 +149,7 @@ class Captured(Directed):
             setattr(self, name, getattr(other, name))
 
     def stands(self, time: float) -> tuple[float, float]:
-        """Where she is on the stage [m], whether a dancer is her or not; there must be a pose or a tracker."""
+        """Return the position on the stage [m], with or without an own dancer; there must be a pose or a tracker."""
         x, z, yaw = self.origin
         if self.is_tracked(time):
             (a, b), c, s = self._spot, math.cos(yaw), math.sin(yaw)
@@ -161,19 +161,19 @@ class Captured(Directed):
 
     @property
     def last(self) -> float:
-        """When she was heard of last [s], by a pose or a tracker."""
+        """Time of the last pose or tracker position [s]."""
         return max(self.poses.last, self._tracked)
 
     def track(self, place: tuple[float, float], time: float) -> None:
-        """Her tracker is at `place` of her floor [m]."""
+        """Handle the tracker position `place` on the performer's floor [m]."""
         if time - self._tracked > HOLD:
-            self._spot = place  # she is there anew
+            self._spot = place  # new arrival: no smoothing from the old position
         self._target, self._tracked = place, max(time, self._tracked)
         if time - self.poses.last <= GAP:
             self.anchor.compare(place, self._suit)
 
     def settle(self, time: float) -> None:
-        """A tick: where she is follows her tracker softly."""
+        """Advance one tick: smooth the tracker position and update the anchor."""
         (x, z), (to_x, to_z) = self._spot, self._target
         self._spot = x + FOLLOWS * (to_x - x), z + FOLLOWS * (to_z - z)
         worn, silent = bool(self.share.any()), time - self.poses.last > HOLD
@@ -191,7 +191,7 @@ class Captured(Directed):
             self._anchored = True
 
     def tracker_facts(self, time: float) -> dict[str, Any]:
-        """For the status: of the tracker that corrects her suit, when it was heard of last and how much it corrects."""
+        """Return for the status: tracker name, seconds since its last data, and its correction."""
         if self.section.tracker is None:
             return {}
         ago = time - self._tracked
@@ -199,26 +199,27 @@ class Captured(Directed):
         return {**heard, "corrected_m": [round(each, 3) for each in self.anchor.offset]}
 
     def is_tracked(self, time: float) -> bool:
-        """Whether her tracker, and no pose of hers, says at `time` [s] where she is."""
+        """Whether the position at `time` [s] comes from the tracker, because there is no recent pose."""
         return time - self._tracked <= HOLD < time - self.poses.last
 
     def hear(self, pose: str, time: float, beat: float) -> None:
-        """Her pose at `time` [s] and the danced `beat`, packed; of several within a tick the newest stays. ValueError
-        for none."""
+        """Store the packed pose at `time` [s] and the danced `beat`; within one tick the newest counts. Raises
+        ValueError for an invalid pose."""
         root, turned = unpack_pose(pose)
-        if time > self.poses.last:  # else an old one that comes late
+        if time > self.poses.last:  # otherwise an old one that arrived late
             self._suit = float(root[0]), float(root[2])
             root[::2] += self.anchor.offset
             self.poses.hear(root, turned, time, beat)
 
     def mirror(self, mirrored: bool, time: float) -> None:
-        """She is seen as in a mirror from `time` [s] on, or as she is: she goes over softly from what was seen."""
+        """Switch mirroring from `time` [s] on, with a smooth transition from the visible pose."""
         if mirrored != self.mirrored and self.poses.count:
             self.poses.turn_over(time - self.later)
         self.mirrored = mirrored
 
     def is_live(self, asked: Float64, time: float, tempo: float) -> npt.NDArray[np.bool_]:
-        """For whom of `rows` there is a pose at `time` [s], when this is `asked` (n, ASKED), (n,)."""
+        """Return for which of `rows` there is a pose at `time` [s], given the sample requests `asked` (n, ASKED),
+        (n,)."""
         if not self.poses.count:
             return np.zeros(len(self.rows), np.bool_)
         here = time - self.poses.last <= HOLD
@@ -231,15 +232,16 @@ class Captured(Directed):
         return np.asarray(live)
 
     def go(self, live: npt.NDArray[np.bool_], rate: float, asked: Float64) -> None:
-        """A tick: who is `live` (n,) comes into her poses by `rate`, the others out of them; `asked` is told."""
+        """Advance one tick: fade dancers that are `live` (n,) in by `rate`, others out; write the weights to
+        `asked`."""
         self.share = np.clip(self.share + np.where(live, rate, -rate), 0.0, 1.0)
         asked[:, SHARE] = self.share * self.share * (3.0 - 2.0 * self.share)
 
     def find(
         self, asked: Float64, live: npt.NDArray[np.bool_], shown: Float32, legs: Float32
     ) -> tuple[Float64, Float64]:
-        """Where her dancers are seen now, and how far those who are wholly her went from their own dance, (n, 2) each
-        [m]: see `find_places`."""
+        """Return the visible positions of the dancers, and the displacement of fully driven ones from their own
+        steps, (n, 2) each [m]: see `find_places`."""
         there, way = np.empty((2, len(self.rows), 2))
         find_places(
             there, way, self.turned, self.rows, live, asked, *self.poses.kept,
@@ -248,14 +250,14 @@ class Captured(Directed):
         return there, way
 
     def _places(self, asked: Float64) -> Float64:
-        """Where the hips of what is `asked` (n, ASKED) are on the stage, (n, 2) [m]; nowhere without a pose."""
+        """Return the hip positions for the sample requests `asked` (n, ASKED), (n, 2) [m]; zeros without a pose."""
         place = np.zeros((len(asked), 4))
         if self.poses.count:
             where_captured(place, asked, *self.poses.kept, self.scale, self.mirrored)
         return np.asarray(place[:, :3:2])
 
     def stay(self, time: float, beat: float) -> Float64:
-        """A tick: whoever repeats her stays on the stage. What is asked of the remembered poses then, (n, ASKED)."""
+        """Advance one tick: keep dancers in canon on the stage, and return the sample requests, (n, ASKED)."""
         asked, repeats = self._asked(time, beat), self.delay > 0.0
         if repeats.any():
             there, floor = self._places(asked), (*self.origin, self.scale)
@@ -265,7 +267,7 @@ class Captured(Directed):
         return asked
 
     def asked(self, time: float, beat: float) -> Float64:
-        """What is asked of the remembered poses for all of `rows`, at most a tick after `stay`, (n, ASKED)."""
+        """Return the sample requests for all of `rows`, at most a tick after `stay`, (n, ASKED)."""
         asked, repeats = self._asked(time, beat), self.delay > 0.0
         if repeats.any():
             way = self.edges.bent(self._places(asked), time)
@@ -276,7 +278,7 @@ class Captured(Directed):
         x, z, yaw = self.origin
         when, caught = time - self.later, self.poses.caught(time - self.later)
         columns = self.delay.tolist(), self.share.tolist(), self.moved.tolist(), self.turned.tolist()
-        # the rows are few: what numpy would do with columns takes longer
+        # few rows: a Python loop is faster than numpy columns
         rows = [
             (*((TIME, when, caught) if delay <= 0.0 else (BEAT, beat - delay, 1.0)),
              share * share * (3.0 - 2.0 * share), moved[0] + x, moved[1] + z, yaw, turned)
@@ -285,8 +287,8 @@ class Captured(Directed):
         return np.array(rows).reshape(-1, ASKED)
 
     def dress(self, position: Float32, rotation: Float32, time: float, beat: float) -> None:
-        """Let her dancers wear her poses at `time` [s], the danced `beat`: world positions (A, J, 3) and rotations
-        (A, J, 4) are changed, and nothing else."""
+        """Write the poses at `time` [s], the danced `beat`, into the rows of these dancers: world positions (A, J,
+        3) and rotations (A, J, 4)."""
         if self.poses.count and self.share.any():
             asked = self.asked(time, beat)
             worn = asked[:, SHARE] > 0.0
@@ -296,10 +298,10 @@ class Captured(Directed):
             )  # fmt: skip
 
     def hashed(self) -> tuple[npt.NDArray[np.generic], ...]:
-        """What belongs to the state of the show beyond what is seen."""
+        """Return the arrays that belong to the state hash beyond the visible state."""
         told = np.array([self.poses.count, *self._spot])
         return self.rows, self.share, self.moved, self.turned, told, self.poses.stamp, *self._corrected()
 
     def _corrected(self) -> tuple[npt.NDArray[np.generic], ...]:
-        """What belongs to the state of who has a tracker beside her suit."""
+        """Return the state of the tracker correction; empty without a tracker."""
         return (np.array([*self._suit, *self.anchor.numbers]),) if self.section.tracker is not None else ()

@@ -1,4 +1,4 @@
-"""Presence: what captured and tracked performers do to others where they stand: obstacles, attractors, repulsors."""
+"""Effect of captured and tracked performers on agents: obstacles, attractors, repulsors."""
 
 from typing import Final
 
@@ -11,25 +11,25 @@ from live.show.capture.performer import HOLD, Captured
 from live.show.group.group_motion import GroupMotion
 
 DRAWS_EVERY: Final = 8
-"""Ticks from one time to the next that an attractor goes where its performer is."""
+"""Ticks between updates of an attractor's position."""
 DRAWS_FOR: Final = 1024.0
-"""Measures for which it acts at most; it ends when she falls silent."""
+"""Duration of an attractor [measures]; it ends earlier when the performer's data stop."""
 SOURCE: Final = "mocap"
 
 
 class Presence:
-    """Of all performers of one show. Thread: the show's."""
+    """Effects of all performers of one show. Thread: the show's."""
 
     def __init__(self, motion: GroupMotion) -> None:
         self._motion = motion
         self._tick = 0
 
     def tick(self) -> None:
-        """Another tick."""
+        """Count one tick."""
         self._tick += 1
 
     def touch(self, captured: Captured, time: float, timeline: Timeline, next_line: float) -> None:
-        """What she does to the others at `time` [s]; `next_line`: the beat of the next measure line."""
+        """Update a performer's obstacle and attractor at `time` [s]; `next_line`: the beat of the next measure line."""
         source = f"{SOURCE} {captured.section.name}"
         there = time - captured.last <= HOLD
         x, z = captured.stands(time) if there and (captured.obstacle or captured.attract) else (0.0, 0.0)

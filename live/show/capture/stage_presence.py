@@ -1,11 +1,9 @@
-"""Performers: real dancers on the stage, where a tracker says that they are: to the agents they are obstacles.
+"""Real dancers on the stage as obstacles (`Performers`), and stage bounds for dancers in a canon (`Edges`).
 
-Edges: those who repeat a captured performer from where they stand are kept on the stage, whose size is another's.
-
-Her path, begun elsewhere, may lead over the border. There they are treated as steering treats everybody
-(`keep_on_stage` of `live.agents.crowd.bounds`): nobody goes at an edge faster than she would reach it in a quarter of a
-second, and along it nothing is changed. What is taken from a way is not given back: from there on she goes the same
-path beside, so that it is bent at the border alone.
+A dancer who repeats a performer's path from another place may be led over the border. As in `keep_on_stage` of
+`live.agents.crowd.bounds`, the speed towards an edge is limited so that it is reached in a quarter of a second at the
+earliest; motion along the edge is unchanged. The removed displacement is not given back: the path continues with an
+offset, so it is bent at the border only.
 """
 
 import math
@@ -20,23 +18,23 @@ from live.base.stage_snapshot import StageView
 from live.control.events.events import Performer
 
 LOST_S: Final = 2.0
-"""A real dancer of whom nothing is heard for so long [s] has left."""
+"""Time [s] without data after which a real dancer counts as gone."""
 FASTEST: Final = 6.0
-"""Nobody dances faster than this [m/s]: such leaps are faults of the tracking."""
+"""Speed limit [m/s]; faster jumps are tracking errors."""
 PERFORMER: Final = "performer "
-"""Real dancers' names among the obstacles begin so."""
+"""Prefix of real dancers' names among the obstacles."""
 
 
 class Performers:
-    """Who is there, among the obstacles of `surroundings`."""
+    """Tracked real dancers among the obstacles of `surroundings`."""
 
     def __init__(self, surroundings: Surroundings, radius: float) -> None:
-        """Each is a circle of this radius [m]."""
+        """`radius` [m] of each dancer's circle."""
         self._surroundings, self._radius = surroundings, radius
         self._last: dict[str, Performer] = {}
 
     def track(self, event: Performer) -> bool:
-        """Take up where a real dancer is; False if there are too many obstacles already."""
+        """Update the position of a real dancer; False if there are too many obstacles already."""
         last = self._last.get(event.name)
         velocity = (0.0, 0.0)
         if last is not None and event.time - last.time > 1e-3:
@@ -50,7 +48,7 @@ class Performers:
         return taken
 
     def tick(self, time: float) -> None:
-        """Forget those of whom nothing is heard at `time` [s] any more."""
+        """Remove dancers without data for LOST_S at `time` [s]."""
         if not self._last:
             return
         for name in [name for name, event in self._last.items() if time - event.time > LOST_S]:
@@ -58,14 +56,14 @@ class Performers:
             self._surroundings.remove(_name(name))
 
     def show(self, view: StageView) -> None:
-        """Say in the snapshot which of its obstacles are real dancers: they are not drawn."""
+        """Mark the snapshot's obstacles that are real dancers: they are not drawn."""
         if self._last:
             for row, name in enumerate(self._surroundings.obstacle_names[: view.obstacle_count]):
                 view.obstacle[row, 3] = not name.startswith(PERFORMER)
 
 
 def _name(performer: str) -> str:
-    """The name of a real dancer among the obstacles: no item of the set is called so."""
+    """Return the obstacle name of a real dancer; no item of the set has such a name."""
     return PERFORMER + performer
 
 
@@ -73,23 +71,24 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 BACK: Final = 1.2
-"""Who is beyond an edge, because the stage has become smaller, comes back no faster than this [m/s]: at a walk."""
+"""Maximum speed [m/s] of the return from beyond an edge, after the stage has become smaller: a walk."""
 
 
 class Edges:
-    """Where the dancers of one performer stood at the last tick. Thread: the show's."""
+    """Positions of one performer's dancers at the last tick, and their limits. Thread: the show's."""
 
     def __init__(self, half: Float64) -> None:
-        """`half` (2,): half width and half depth of the stage [m], the array that the show keeps up to date."""
+        """`half` (2,): half width and half depth of the stage [m]; the show updates this array in place."""
         self._half = half
         self.place: Float64 = np.zeros((0, 2))
-        """Where each of her dancers stood [m], (n, 2)."""
+        """Position of each dancer at the last tick [m], (n, 2)."""
         self._time = 0.0
         self._floor: tuple[float, ...] = ()
         self._mirrored = False
 
     def bent(self, there: Float64, time: float) -> Float64:
-        """How far dancers whom their ways would take `there` (n, 2) [m] at `time` [s] are to be moved, (n, 2) [m]."""
+        """Return the displacement (n, 2) [m] that keeps dancers inside whose paths lead `there` (n, 2) [m] at `time`
+        [s]."""
         passed = time - self._time
         if passed <= 0.0:
             return np.zeros_like(there)
@@ -102,9 +101,11 @@ class Edges:
     def settle(
         self, there: Float64, time: float, floor: tuple[float, ...], repeats: Bool, *, mirrored: bool = False
     ) -> Float64:
-        """A tick: as `bent`, and that is where they stand; only those who `repeats` (n,) are moved. `floor`: how her
-        floor lies on the stage; where that is another than before they are only put inside, for it acts at once.
-        `mirrored`: whether her ways are; where they are turned over just now they go on from where they stood."""
+        """Advance one tick: as `bent`, and store the result; only dancers who `repeats` (n,) are moved.
+
+        `floor`: placement of the performer's floor; after a change positions are only clipped to the stage, because it
+        acts at once. `mirrored`: whether paths are mirrored; after a change they continue from the last positions.
+        """
         if floor != self._floor:
             way = np.clip(there, -self._half, self._half) - there
         elif mirrored != self._mirrored:
@@ -116,9 +117,9 @@ class Edges:
         return way
 
     def add(self, place: Float64) -> None:
-        """More dancers, who stand at `place` (n, 2) [m]."""
+        """Add dancers at `place` (n, 2) [m]."""
         self.place = np.concatenate([self.place, place])
 
     def keep(self, kept: Bool) -> None:
-        """Only these go on, (n,)."""
+        """Keep only these dancers, (n,)."""
         self.place = self.place[kept]

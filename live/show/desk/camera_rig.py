@@ -1,11 +1,7 @@
-"""CameraRig: the camera goes around what it looks at, or with somebody, as numbers of the picture say.
+"""Moving camera and follow spots: orbit and damped following of dancers.
 
-What moves is the same for everybody who draws the show: the way around is in the parameters themselves, tick by tick;
-who is followed is damped here, so that a dancer's steps are not the camera's.
-
-Chase: a place on the floor that goes after somebody, damped, so that her steps are not the lamp's.
-
-Spots: the follow spots of a show; whom each follows. How bright, how wide and of what colour are parameters.
+The orbit is stored in the parameters and advances per tick, so all windows draw the same camera. Followed positions are
+damped, so that a dancer's steps do not shake camera or lamp. Brightness, width and colour of spots are parameters.
 """
 
 import math
@@ -26,42 +22,42 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 CALM: Final = 4.0
-"""How stiffly it follows [1/s]: critically damped, and behind a walk of 1 m/s by half a metre."""
+"""Stiffness of the following [1/s]: critically damped; the lag behind a walk of 1 m/s is half a metre."""
 
 
 class Chase:
-    """One such place. Thread: the show's."""
+    """A point on the floor that follows selected dancers with damping. Thread: the show's."""
 
     def __init__(self, motion: GroupMotion, whom: str = "*") -> None:
         self._motion = motion
         self.whom = whom
-        """Who is followed, in words for `Casting.select`."""
+        """The followed dancers, in words for `Casting.select`."""
         self._who: Bool | None = None
         self._centre: Float64 = np.zeros(2)
         self._speed: Float64 = np.zeros(2)
         self.running = False
-        """Whether it is anywhere."""
+        """Whether the point is defined."""
 
     def follow(self, whom: str, *, cut: bool = False) -> None:
-        """Follow whom these words mean from now on, at once if it is a `cut`; PersonError if they mean nobody."""
+        """Follow these dancers from now on, at once with `cut`; raises PersonError if the words select no dancer."""
         self._who = self._motion.casting.select(whom, self._motion.state.position.astype(np.float64))
         self.whom = whom
         self.running = self.running and not cut
 
     def turn_to(self, whom: str) -> None:
-        """The same for words that were checked, whoever they mean now."""
+        """Follow these dancers from now on; the words were checked before."""
         self.whom, self._who = whom, None
 
     def begin_measure(self) -> None:
-        """Who is meant may have changed: groups do, and places."""
+        """Resolve the followed dancers again: groups and positions may have changed."""
         self._who = None
 
     def stop(self) -> None:
-        """Nobody looks: when somebody does again, it is there at once."""
+        """Stop following; the next `tick` starts at the goal without damping."""
         self.running = False
 
     def tick(self, seconds: float) -> None:
-        """So much time has passed."""
+        """Advance by `seconds`."""
         goal = self._goal()
         if not self.running:
             self._centre, self._speed, self.running = goal, np.zeros(2), True
@@ -73,12 +69,12 @@ class Chase:
         self._speed = (self._speed - CALM * pull) * damp
 
     def _goal(self) -> Float64:
-        """The middle of whom it follows; where it is if nobody of them is on the stage."""
+        """Return the mean position of the followed dancers; the present point if none of them is on the stage."""
         position, present = self._motion.state.position, self._motion.present
         if self._who is None:
             try:
                 self._who = self._motion.casting.select(self.whom, position.astype(np.float64))
-            except PersonError:  # nobody stands there any more, as in `left & front`
+            except PersonError:  # no dancer is selected any more, as in `left & front`
                 self._who = np.zeros(len(position), np.bool_)
         there = self._who & present
         if not there.any():
@@ -87,12 +83,12 @@ class Chase:
         return middle
 
     def at(self, seconds: float) -> Float64:
-        """Where it is so long after the last tick: (x, z) [m]."""
+        """Return the point (x, z) [m] this long after the last tick."""
         where: Float64 = self._centre + self._speed * seconds
         return where
 
     def hashed(self) -> tuple[Float64, ...]:
-        """What belongs to the state of the show; nothing while it is nowhere."""
+        """Return the arrays that belong to the state hash; none while it is not running."""
         return (self._centre, self._speed) if self.running else ()
 
 
@@ -100,7 +96,7 @@ NOBODY: Final = ("", "off", "nobody")
 
 
 def check_whom(patch: Patch, motion: GroupMotion) -> None:
-    """PersonError, with the place, for a camera of the patch that follows somebody who is not there."""
+    """Raise PersonError, with the patch key, for a camera that follows unknown dancers."""
     cameras = [(patch.camera, ("camera",)), *((view, ("view", n)) for n, view in enumerate(patch.view))]
     for section, place in cameras:
         if section.follow is not None and not motion.casting.means_places(section.follow):
@@ -112,14 +108,14 @@ class CameraRig:
     """The moving camera of one show. Call `tick` for every tick, `place` for every picture. Thread: the show's."""
 
     def __init__(self, parameters: Parameters, motion: GroupMotion, whom: str | None, *, beats: int) -> None:
-        """`whom` is followed from the start where the picture says so; `beats` of a measure."""
+        """`whom` is followed from the start where the picture says so; `beats` per measure."""
         self._parameters, self._beats = parameters, beats
         self.start = whom or "*"
-        """Who is followed from the start."""
+        """Dancers followed from the start."""
         self.chase = Chase(motion, self.start)
 
     def take_patch(self, fresh: "CameraRig") -> None:
-        """An edited patch may follow somebody else from the start."""
+        """Adopt the followed dancers of an edited patch if they changed."""
         if fresh.start != self.start:
             self.start = fresh.start
             self.chase.turn_to(self.start)
@@ -127,7 +123,7 @@ class CameraRig:
     # -- time --------------------------------------------------------------------------------------------------
 
     def tick(self, seconds: float, beats: float) -> None:
-        """So much time has passed."""
+        """Advance by `seconds` and `beats`."""
         row = self._parameters.picture
         rate = float(row[picture_parameters.ORBIT])
         if rate and not self._parameters.held:
@@ -138,7 +134,7 @@ class CameraRig:
             self.chase.stop()
 
     def place(self, row: Float64, seconds: float, beats: float) -> None:
-        """Bring the camera of a picture's `row` to where it is so long after the last tick."""
+        """Move the camera of a picture's `row` to its position this long after the last tick."""
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
         rate = float(row[picture_parameters.ORBIT])
         if rate and beats and not self._parameters.held:
@@ -151,7 +147,7 @@ class CameraRig:
         row[[eye.start, eye.start + 2]] += float(row[picture_parameters.ALONG]) * way
 
     def facts(self) -> dict[str, Any]:
-        """For the status."""
+        """Return the followed dancers for the status."""
         return {"follows": self.chase.whom if self.chase.running else None}
 
 
@@ -164,8 +160,10 @@ class Spots:
         self._levels = [BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOTS + 1)]
 
     def follow(self, number: float, whom: str, level: float, *, beats: float) -> None:
-        """Spot `number`, from 1, follows whom these words mean and goes to `level` in so many beats; PersonError if
-        they mean nobody."""
+        """Let spot `number`, from 1, follow these dancers and fade to `level` in `beats`.
+
+        Raises PersonError if the words select no dancer.
+        """
         if number != int(number):
             raise PersonError(f"spot {number:g}: 1 to {SPOTS} expected")
         place = int(number) - 1
@@ -173,12 +171,12 @@ class Spots:
         self._parameters.fade({self._levels[place]: level}, beats=beats)
 
     def begin_measure(self) -> None:
-        """Who is meant may have changed."""
+        """Resolve the followed dancers again."""
         for chase in self._chases:
             chase.begin_measure()
 
     def tick(self, seconds: float) -> None:
-        """So much time has passed."""
+        """Advance by `seconds`."""
         row = self._parameters.picture
         for chase, level in zip(self._chases, self._levels, strict=True):
             if row[level] > 0.0:
@@ -187,15 +185,15 @@ class Spots:
                 chase.stop()
 
     def place(self, view: StageView, seconds: float) -> None:
-        """Say in a view where the spots are so long after the last tick."""
+        """Write the positions of the spots, this long after the last tick, into a view."""
         for number, chase in enumerate(self._chases):
             if chase.running:
                 view.spot[number] = chase.at(seconds)
 
     def hashed(self) -> tuple[Float64, ...]:
-        """What belongs to the state of the show; nothing while all spots are dark."""
+        """Return the arrays that belong to the state hash; none while all spots are dark."""
         return tuple(part for chase in self._chases for part in chase.hashed())
 
     def facts(self) -> dict[str, Any]:
-        """For the status: whom each spot that is lit follows."""
+        """Return the dancers followed by each lit spot, for the status."""
         return {"spots": {str(n): chase.whom for n, chase in enumerate(self._chases, start=1) if chase.running}}

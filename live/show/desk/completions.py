@@ -1,4 +1,4 @@
-"""What may be said for the first argument of controls that name something of a patch: steps, cues, scenes …"""
+"""Completions for the first argument of controls that name parts of a patch: steps, cues, scenes and others."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -9,11 +9,11 @@ from live.show.patch.section_score import formation_names
 from live.show.show import Show
 
 FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "heart")
-"""Where a patch names no formation of its own."""
+"""Used where a patch names no formation of its own."""
 
 
 def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
-    """The names by the address of the control."""
+    """Return the known names by address of the control."""
     cues, performers = [cue.name for cue in patch.cue], [performer.name for performer in patch.mocap]
     return {
         "/dance/step": list(steps),
@@ -32,5 +32,5 @@ def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
 
 
 def names_in(show: Show) -> dict[str, list[str]]:
-    """The names that a running show knows."""
+    """Return the known names of a running show."""
     return names_of(show.patch, show.graph.library.steps)

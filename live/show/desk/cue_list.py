@@ -1,7 +1,7 @@
-"""Cues: which one stands by, which are counting in, and what they bring when their beat comes.
+"""Cue list: the standby cue, cues that count in, and the events of a cue at its beat.
 
-Beats are danced beats: (measure + how far it is) times the beats of a measure, so "this is the one" moves cues with
-the measure line. A cue is given once; what it brings is events, which the show lets act in the tick of its beat.
+Beats are danced beats: (measure + phase) times the beats of a measure, so a "this is the one" tap moves cues with the
+measure line. A GO triggers a cue once; the show applies its events in the tick of its beat.
 """
 
 import math
@@ -16,50 +16,49 @@ from live.show.patch.section_cues import CueSection
 from live.show.score.playhead import END, Playhead
 
 DEBOUNCE: Final = 0.25
-"""A second GO of one source within so many seconds is the same press ..."""
+"""A second GO of one source within this time [s] is ignored as a bounce."""
 SOURCES: Final = 64
-"""... of so many sources at most; the oldest is forgotten."""
+"""Maximum number of sources remembered for this; the oldest is dropped."""
 MOST: Final = 16
-"""Cues that count in at the same time at most."""
+"""Maximum number of cues that count in at the same time."""
 AHEAD: Final = 512
-"""Measures within which a section has to begin for a cue that waits for one."""
+"""Look-ahead for the start of the section that a cue waits for [measures]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Given:
-    """A cue that was given and whose beat has not come."""
+    """A triggered cue whose beat has not come."""
 
     index: int
     due: float
     """Its danced beat."""
     earliest: float
-    """Not before this danced beat, because of its count-in."""
+    """Earliest danced beat, because of the count-in."""
     back: ControlEvent | None = None
-    """If its jump is asked for already: what takes that back."""
+    """If its jump is already requested: the event that reverts it."""
 
 
 class Cues:
     """The cue list of one show. Thread: the show's."""
 
     def __init__(self, cues: Sequence[CueSection], playhead: Playhead, *, beats: int) -> None:
-        """`beats`: those of a danced measure."""
+        """`beats`: beats per danced measure."""
         self._cues, self._playhead, self._beats = tuple(cues), playhead, beats
         self.standby = 0
-        """Index of the cue that GO gives; as many as there are cues: none."""
+        """Index of the cue that GO triggers; the number of cues means none."""
         self.last = -1
-        """Index of the cue that happened last, -1: none yet."""
+        """Index of the last fired cue, -1: none yet."""
         self.fired = self.bounced = 0
-        """Cues that have happened, and presses of GO that were bounces."""
+        """Fired cues, and GO presses ignored as bounces."""
         self._given: list[_Given] = []
         self.late_ticks_max = 0
-        """The most ticks by which one happened after the tick that holds its beat."""
+        """Largest delay of a cue after the tick that contains its beat [ticks]."""
         self._before, self._tick = -math.inf, 1.0
         self._pressed: dict[str, float] = {}
         self._ways: tuple[object, ...] = ()
 
     def take_patch(self, fresh: "Cues") -> None:
-        """An edited patch has other cues: by its name the same one stands by, and what counts in goes on if it is
-        still there."""
+        """Adopt the cues of an edited patch. The standby cue and counting cues are kept by name if they still exist."""
         cues = fresh._cues
         names = [cue.name for cue in cues]
 
@@ -72,10 +71,10 @@ class Cues:
         self._given = [replace(one, index=new) for one in self._given if (new := moved(one.index, -1)) >= 0]
         self._cues = cues
 
-    # -- what people say -----------------------------------------------------------------------------------------
+    # -- commands ------------------------------------------------------------------------------------------------
 
     def go(self, event: events.Go, danced: float) -> list[ControlEvent]:
-        """Give the cue that stands by; PersonError if none does."""
+        """Trigger the standby cue; raises PersonError if there is none."""
         last = self._pressed.get(event.source, -math.inf)
         if 0.0 <= event.time - last < DEBOUNCE:
             self.bounced += 1
@@ -89,15 +88,15 @@ class Cues:
         return self._give(self.standby, danced)
 
     def give(self, name: str, danced: float) -> list[ControlEvent]:
-        """Give this cue, and let the next one stand by; PersonError if there is none such."""
+        """Trigger this cue and put the next one on standby; raises PersonError if there is no such cue."""
         return self._give(self._find(name), danced)
 
     def stand_by(self, name: str) -> None:
-        """Let this cue stand by."""
+        """Put this cue on standby."""
         self.standby = self._find(name)
 
     def back(self) -> list[ControlEvent]:
-        """Take back the cue that was given last and has not happened; else let the cue before stand by."""
+        """Cancel the last triggered cue that has not fired; otherwise put the previous cue on standby."""
         if not self._given:
             if self.standby == 0:
                 raise PersonError("the first cue stands by already")
@@ -108,7 +107,7 @@ class Cues:
         return [] if given.back is None else [given.back]
 
     def stop(self) -> None:
-        """No cue is counting in any more; the first one of them stands by again."""
+        """Cancel all counting cues; the first of them is on standby again."""
         if self._given:
             self.standby = min(given.index for given in self._given)
         self._given.clear()
@@ -132,7 +131,7 @@ class Cues:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
-        """What the cues bring whose beat has come by the danced beat, in the order of their beats."""
+        """Return the events of all cues due by the danced beat, in the order of their beats."""
         self._look()
         before, self._before = self._before, max(danced, self._before)
         if danced > before > -math.inf:
@@ -147,12 +146,12 @@ class Cues:
         return made
 
     def begin_measure(self, danced: float) -> list[ControlEvent]:
-        """A measure has begun: jumps of cues that happen at its end are asked for."""
+        """Begin a measure: return the jumps of cues that fire at its end."""
         self._look()
         return self._jumps(danced)
 
     def _look(self) -> None:
-        """Who waits for a section looks anew when one begins, whenever the score may go another way."""
+        """Update the due beat of cues that wait for a section, whenever the future of the score may have changed."""
         playhead = self._playhead
         ways = (playhead.measure, playhead.going, playhead.practice, playhead.held, playhead.waiting)
         if not self._given or ways == self._ways:
@@ -163,7 +162,7 @@ class Cues:
                 self._given[number] = replace(given, due=self._due(self._cues[given.index], given.earliest))
 
     def let_go(self, danced: float) -> None:
-        """The show was held and goes on: whose beat has passed meanwhile comes with the next one of its kind."""
+        """Resume after a hold: a cue whose beat has passed fires at the next line or beat of its kind."""
         for number, given in enumerate(self._given):
             if given.due < danced:
                 due = self._due(self._cues[given.index], danced)
@@ -183,7 +182,7 @@ class Cues:
         return made
 
     def _due(self, cue: CueSection, earliest: float) -> float:
-        """The danced beat at which a cue happens that may not happen before `earliest`."""
+        """Return the danced beat at which a cue fires, not before `earliest`."""
         line = math.ceil(earliest / self._beats - 1e-9)
         match cue.when:
             case "now":
@@ -200,7 +199,7 @@ class Cues:
         return math.inf
 
     def _jumps(self, danced: float) -> list[ControlEvent]:
-        """Jumps of cues that happen at the next line are asked for now, so that it can be planned ahead."""
+        """Return jumps of cues that fire at the next line now, so that the measure can be planned ahead."""
         made: list[ControlEvent] = []
         line = (self._playhead.measure + 1) * self._beats
         for number, given in enumerate(self._given):
@@ -217,24 +216,24 @@ class Cues:
             made.append(events.JumpTo(time=0.0, source=source, section=cue.section))
         return made
 
-    # -- what is told ----------------------------------------------------------------------------------------------
+    # -- reports ---------------------------------------------------------------------------------------------------
 
     def count_in(self, danced: float) -> tuple[float, str] | None:
-        """Beats to go and name of the cue that happens next; None if none is counting in."""
+        """Return beats left and name of the next cue that counts in; None if there is none."""
         given = min(self._given, key=lambda given: given.due, default=None)
         return None if given is None else (given.due - danced, self._cues[given.index].name)
 
     def state(self) -> list[float]:
-        """What belongs to the state of the show, as numbers."""
+        """Return the numbers that belong to the state hash."""
         return [self.standby, self.last, *(number for given in self._given for number in (given.index, given.due))]
 
     @property
     def standby_name(self) -> str:
-        """What the cue is called that stands by; empty if none does."""
+        """Name of the standby cue; empty if there is none."""
         return self._cues[self.standby].name if self.standby < len(self._cues) else ""
 
     def facts(self, danced: float) -> dict[str, Any]:
-        """For the status: names, and beats to go of those that are counting in (null: no section begins)."""
+        """Return names, and remaining beats of counting cues, for the status (null: no section begins)."""
 
         def told(index: int) -> str | None:
             return self._cues[index].name if 0 <= index < len(self._cues) else None

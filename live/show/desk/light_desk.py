@@ -1,6 +1,6 @@
-"""Desk: what light desk and stage manager have in a show: parameters and their fades, scenes, cues, panic, undo.
+"""Light desk and stage manager of a show: parameters and fades, scenes, cues, panic, undo, and the picture's master.
 
-Master: how much of the picture's light there is, whether the picture stands still, and whether it may flash.
+The master sets the light level of the whole picture, freezes it, and lifts the flash limit.
 """
 
 import math
@@ -28,34 +28,36 @@ from live.show.score.score_runner import Prompter
 from live.show.selection.scheduler import Scheduler
 
 MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
-"""The events that `act` takes."""
+"""Events that `Master.act` handles."""
 QUICKEST: Final = 0.125
-"""A fade takes so many beats at least: quick, but no flash."""
+"""Minimum length of a fade [beats]: quick, but no flash."""
 EVERYBODY: Final = "*"
 MOST_CARDS: Final = 64
-"""Outputs whose cards are remembered: names come over the network."""
+"""Maximum number of outputs whose cards are kept; names come over the network."""
 
 
 class Master:
-    """The last hand on the picture, over all scenes, cues and looks. Thread: the show's."""
+    """Level, freeze and flash limit of the whole picture, after all scenes, cues and looks. Thread: the show's."""
 
     def __init__(self) -> None:
         self.level = 1.0
-        """Share of the light now."""
+        """Present share of the light."""
         self.frozen = False
-        """Whether the picture stands still."""
+        """Whether the picture is frozen."""
         self.flashes = False
         """Whether the limit on flashes is lifted."""
         self.goal = 1.0
-        """Share of the light where the fade ends."""
+        """Share of the light at the end of the fade."""
         self.cards: dict[str, str] = {}
-        """Test cards that were asked for, by the output's name in small letters, in turn; `*`: all. Whoever has the
-        windows knows which names and cards there are; here they are kept for who goes on with the show."""
+        """Requested test cards, by the output's case-folded name, in order; `*`: all outputs.
+
+        Names and cards are checked where the windows are; they are kept here for a warm standby.
+        """
         self._from = 1.0
         self._length, self._passed = 1.0, 1.0
 
     def act(self, event: events.ControlEvent) -> None:
-        """Let one of `MASTER_EVENTS` act."""
+        """Handle an event of `MASTER_EVENTS`."""
         match event:
             case events.FadePicture():
                 self._from, self.goal = self.level, event.level
@@ -77,7 +79,7 @@ class Master:
             self.cards.pop(next(iter(self.cards)))
 
     def tick(self, beats: float) -> None:
-        """So many beats have passed."""
+        """Advance by `beats`."""
         if self._passed >= self._length:
             return
         self._passed += beats
@@ -86,7 +88,7 @@ class Master:
         self.level = self.goal if share >= 1.0 else self._from + (self.goal - self._from) * eased
 
     def words(self) -> tuple[str, ...]:
-        """The overlay's lines; none while all is as usual."""
+        """Return the overlay's lines; none in the normal state."""
         lines = ["FROZEN: the picture stands still"] if self.frozen else []
         if self.level < 1.0:
             lines.append(f"faded to {self.level:.0%}")
@@ -95,7 +97,7 @@ class Master:
         return tuple(lines)
 
     def facts(self) -> dict[str, float | bool]:
-        """For the status."""
+        """Return values for the status."""
         return {"level": round(self.level, 3), "frozen": self.frozen, "flashes": self.flashes}
 
 
@@ -103,21 +105,21 @@ DESK_EVENTS: Final = (
     *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
     events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
-"""The events that `act` takes."""
+"""Events that `Desk.act` handles."""
 ENERGY_HALFLIFE: Final = 0.25
-"""Light goes half the way to what the music's energy asks for in so long [s]."""
+"""Half-life of the light's response to the energy of the music [s]."""
 CALM: Final = 2.0
-"""Beats in which the patch's own light comes back when somebody panics."""
+"""Fade time to the patch's own light after a panic [beats]."""
 
 
 class Desk:
-    """The desk of one show. What it says the show does it returns as events. Thread: the show's."""
+    """The desk of one show. Its effects on the show are returned as events. Thread: the show's."""
 
     def __init__(
         self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
         mocap: Mocap,
     ) -> None:  # fmt: skip
-        """PersonError for a scene that names what is not there."""
+        """Raises PersonError for a scene that names unknown parts."""
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)
         beats = patch.clock.beats_per_measure
@@ -126,7 +128,7 @@ class Desk:
         check_whom(patch, motion)
         self.spots = Spots(self.parameters, motion)
         self.energy = 0.5
-        """How much energy the music has, smoothly, 0 to 1."""
+        """Smoothed energy of the music, 0 to 1."""
         self.scenes = Scenes(patch, self.parameters, self.rig)
         self._prompter = prompter
         self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
@@ -134,15 +136,15 @@ class Desk:
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
         self.master = Master()
-        """What fades or freezes the whole picture."""
+        """Master fade and freeze of the whole picture."""
         self.held = False
-        """Whether cues and score stand still; `parameters.held` says it of fades."""
+        """Whether cues and score stand still; `parameters.held` is the same for fades."""
 
     # -- events ------------------------------------------------------------------------------------------------
 
     def act(self, event: ControlEvent, *, timeline: Timeline, danced: float) -> list[ControlEvent]:
-        """Let an event of `DESK_EVENTS` act at the danced beat; PersonError if it asks for what is not there."""
-        if type(event) in SCENE_EVENTS:  # these come by the thousand
+        """Handle an event of `DESK_EVENTS` at the danced beat; raises PersonError if it names unknown parts."""
+        if type(event) in SCENE_EVENTS:  # frequent events first
             self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
             return []
         match event:
@@ -193,7 +195,7 @@ class Desk:
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 
     def notice(self, event: ControlEvent) -> None:
-        """Take note of an event that others act on: who sets a value by hand takes it out of its fade."""
+        """Observe an event handled elsewhere: a value set directly ends its fade."""
         if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
             everybody = event.group in ("", "*")
             known = self.parameters.table
@@ -203,7 +205,7 @@ class Desk:
     # -- time --------------------------------------------------------------------------------------------------
 
     def tick(self, timeline: Timeline, ticks: int = 1) -> None:
-        """So many ticks have passed."""
+        """Advance by `ticks`."""
         beats = ticks * TICK * timeline.tempo / 60.0
         self.parameters.tick(beats)
         self.master.tick(beats)
@@ -212,25 +214,25 @@ class Desk:
         self.energy = damper(self.energy, self._prompter.mood.of("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
     def fire(self, danced: float, time: float) -> list[ControlEvent]:
-        """What cues bring by the danced beat, at `time` [s]."""
+        """Return the events of cues due by the danced beat, at `time` [s]."""
         return [] if self.held else self.cues.fire(danced, time)
 
     def begin_measure(self, danced: float) -> list[ControlEvent]:
-        """A measure has begun."""
+        """Begin a measure: return the jumps of cues."""
         self.rig.chase.begin_measure()
         self.spots.begin_measure()
         return [] if self.held else self.cues.begin_measure(danced)
 
-    # -- what is told --------------------------------------------------------------------------------------------
+    # -- reports -------------------------------------------------------------------------------------------------
 
     def hashed(self) -> tuple[npt.NDArray[np.float64], ...]:
-        """What belongs to the state of the show; nothing until somebody has used the desk."""
+        """Return the arrays that belong to the state hash; none until the desk is used."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
         own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
         return (*own, *self.rig.chase.hashed(), *self.spots.hashed())
 
     def words(self, danced: float) -> tuple[str, ...]:
-        """The overlay's lines on cues; none in a show without any."""
+        """Return the overlay's lines on cues; none in a show without cues."""
         facts = self.cues.facts(danced)
         still = "score, fades and cues" if self.parameters.held else "score and cues"
         lines = [f"HELD: {still} stand still"] if self.held else []
@@ -245,7 +247,7 @@ class Desk:
         return (*self.master.words(), *lines)
 
     def facts(self, danced: float) -> dict[str, Any]:
-        """For the status: cues, fades, edits, and whether the show is held."""
+        """Return cues, fades, edits and hold for the status."""
         return {
             "cues": {**self.cues.facts(danced), "held": self.held},
             "scenes": self.scenes.names,

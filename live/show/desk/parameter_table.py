@@ -1,8 +1,7 @@
-"""ParameterTable: everything in a show that has a value at any moment, by the address of the control that sets it.
+"""Table of all parameters of a show, by the address of the control that sets them.
 
-Two families: the picture's (`live.base.picture_parameters`), and how the dancers of each group vary
-(`live.show.dancers.variation`). All values of a show are one row of numbers: first the picture's, then those of each
-group.
+There are two families: the picture's (`live.base.picture_parameters`), and the variation of each group's dancers
+(`live.show.dancers.variation`). All values form one row of numbers: the picture's, then those of each group.
 """
 
 from collections.abc import Sequence
@@ -18,32 +17,32 @@ from live.control.registry.rejections import Reason
 
 VIEW: Final = "/dance/camera"
 LOOK: Final = "/dance/look"
-"""In a scene these name a view or look instead of a value."""
+"""In a scene these two hold the name of a view or look instead of a value."""
 _SWITCHES: Final = ("mirror",)
-"""Numbers of which only a few values mean something: they do not fade."""
+"""Fields with only a few valid values: they do not fade."""
 FIELDS: Final = tuple(field for field, _ in MOTION_PARAMETERS.values())
-"""How the dancers of a group vary: the fields of Variety, in the order of the row."""
+"""Fields of Variety, in the order of the row."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a show: of the whole stage (group -1) or of a group, and where its numbers lie."""
+    """One parameter of the whole stage (group -1) or of a group, with its places in the row."""
 
     address: str
     group: int
     first: int
     size: int
     switch: bool = False
-    """It cannot fade: it takes its new value when the fade begins."""
+    """Whether it cannot fade: it takes its new value when the fade begins."""
 
     @property
     def numbers(self) -> range:
-        """Its places in the row."""
+        """Places in the row."""
         return range(self.first, self.first + self.size)
 
 
 def addresses() -> list[str]:
-    """All addresses that have a value."""
+    """Return all addresses that have a value."""
     return [
         *(known.address for known in picture_parameters.PARAMETERS),
         *picture_parameters.OF_GROUPS,
@@ -52,13 +51,13 @@ def addresses() -> list[str]:
 
 
 def split(key: str) -> tuple[str, str]:
-    """Address and group of a key like `/dance/motion/larger ember`; the group is "*" if there is none."""
+    """Return address and group of a key such as `/dance/motion/larger ember`; the group is "*" if there is none."""
     address, _, group = key.strip().partition(" ")
     return address, group.strip() or "*"
 
 
 def check_setting(key: str, value: object) -> None:
-    """PersonError if `key` names no parameter, or `value` cannot be its value; groups are not looked at."""
+    """Raise PersonError if `key` is no parameter, or `value` is invalid for it; group names are not checked."""
     address, group = split(key)
     if address in (VIEW, LOOK):
         if not isinstance(value, str) or group != "*":
@@ -71,12 +70,12 @@ def check_setting(key: str, value: object) -> None:
 
 @cache
 def _argument(unit: str, low: float, high: float) -> Argument:
-    """What checks a number of the picture; there are as many as ranges."""
+    """Return the argument that checks a number of the picture, one per range."""
     return Argument("value", "float", "", unit, low, high)
 
 
 def numbers_of(address: str, value: object) -> tuple[float, ...]:
-    """The value of the parameter at `address` as numbers; PersonError says what is allowed."""
+    """Return the value of the parameter at `address` as numbers; PersonError states the allowed values."""
     if address in MOTION_PARAMETERS:
         argument = MOTION_PARAMETERS[address][1]
         checked = argument.checked(value)
@@ -95,7 +94,7 @@ def numbers_of(address: str, value: object) -> tuple[float, ...]:
 
 
 class ParameterTable:
-    """The parameters of a show with these groups."""
+    """The parameters of a show with the given groups."""
 
     def __init__(self, groups: Sequence[str]) -> None:
         self._groups = tuple(name.casefold() for name in groups)
@@ -114,16 +113,17 @@ class ParameterTable:
                 Parameter(address, group, place + group * len(FIELDS), 1, switch) for group in range(len(groups))
             ]
         self.size = picture_parameters.SIZE + len(groups) * len(FIELDS)
-        """Numbers of the row."""
+        """Numbers in the row."""
         self.switches = frozenset(one.first for found in self._at.values() for one in found if one.switch)
-        """Places of those that cannot fade."""
+        """Places of numbers that cannot fade."""
 
     def take_patch(self, fresh: "ParameterTable") -> None:
-        """Groups may have other names in an edited patch."""
+        """Adopt the group names of an edited patch."""
         self._groups = fresh._groups
 
     def find(self, address: str, group: str = "*") -> list[Parameter]:
-        """The parameters at an address, of one group or (`*`) of all; PersonError if there is no such group."""
+        """Return the parameters at an address, of one group or (`*`) of all; raises PersonError for an unknown
+        group."""
         found = self._at[address]
         if group.strip() in ("", "*"):
             return found
@@ -131,7 +131,7 @@ class ParameterTable:
         return [one for one in found if one.group == index]
 
     def places(self, address: str, group: str = "*") -> list[int]:
-        """Where the numbers of these parameters lie; none where there is no such parameter or group."""
+        """Return the places of these parameters in the row; empty for an unknown parameter or group."""
         found = self._at.get(address, ())
         if group.strip() not in ("", "*"):
             index = self.group(group) if self.has(group) else -2
@@ -140,20 +140,20 @@ class ParameterTable:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the groups are called, by index."""
+        """Names of the groups, by index."""
         return self._groups
 
     @property
     def groups(self) -> range:
-        """All groups, by index."""
+        """Indices of all groups."""
         return range(len(self._groups))
 
     def has(self, group: str) -> bool:
-        """Whether a group is called so."""
+        """Whether a group has this name."""
         return group.strip().casefold() in self._groups
 
     def group(self, name: str) -> int:
-        """Index of a group; PersonError with the names there are."""
+        """Return the index of a group; raises PersonError with the known names."""
         folded = name.strip().casefold()
         if folded not in self._groups:
             raise PersonError(f"no group is called {name!r}", f"there are: {', '.join(self._groups)}")

@@ -1,7 +1,7 @@
-"""Parameters: the present value of everything that has one, and how values change: at once, softly, or in measures.
+"""Parameter values of a show and their fades.
 
-Fades are counted in beats that pass while the show is not held. Of the picture this row is what is true; how dancers
-vary is true in `Variation`, which is told what a fade makes of it.
+Fades count beats that pass while the show is not held. This row is the master copy for the picture. For the variation
+of dancers `Variation` is the master copy, and fades write to it.
 """
 
 import math
@@ -18,29 +18,29 @@ from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
 Float64 = npt.NDArray[np.float64]
 
 SOFT: Final = 0.125
-"""Light that is set at once takes so many beats: quick, but no flash; a camera is cut."""
+"""Fade time of light that is set at once [beats]: quick, but no flash; cameras cut."""
 NEW: Final = 4.0
-"""Beats in which what an edited patch says of the picture comes."""
+"""Fade time of picture values from an edited patch [beats]."""
 STRIDE: Final = 4
-"""How dancers vary is told to them in every so many ticks while it fades."""
+"""Ticks between updates of `Variation` during a fade."""
 
 
 class Parameters:
     """The values of one show. Thread: the show's."""
 
-    _heard: "list[Variety] | None" = None  # found again after a snapshot of an engine that did not know it
+    _heard: "list[Variety] | None" = None  # class default: snapshots of older engines lack it
     _numbers: Float64
 
     def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
-        """`start`: the row of the picture that the patch says, shape (picture.SIZE,)."""
+        """`start`: the picture's row from the patch, shape (picture.SIZE,)."""
         self.table = table
         self._variation = variation
         self.value: Float64 = np.zeros(table.size)
-        """All values now, shape (P,)."""
+        """All present values, shape (P,)."""
         self.value[: picture_parameters.SIZE] = start
         self._listen()
         self.start: Float64 = self.value.copy()
-        """What the patch says, shape (P,)."""
+        """Values of the patch, shape (P,)."""
         self._from, self._goal = self.value.copy(), self.value.copy()
         self._began, self._length = np.zeros(table.size), np.ones(table.size)
         self._fading = np.zeros(table.size, np.bool_)
@@ -50,26 +50,26 @@ class Parameters:
         self.held = False
         """Whether fades stand still."""
         self.touched = False
-        """Whether anybody has changed anything yet."""
+        """Whether any value was ever set."""
 
     @property
     def picture(self) -> Float64:
-        """The picture's row now, shape (picture.SIZE,): a view."""
+        """The picture's present row, shape (picture.SIZE,): a view."""
         return self.value[: picture_parameters.SIZE]
 
     @property
     def fading(self) -> int:
-        """How many numbers are on their way."""
+        """Number of values that are fading."""
         return self._running
 
     # -- changes -----------------------------------------------------------------------------------------------
 
     def set(self, parameter: Parameter, numbers: Iterable[float], *, beats: float) -> None:
-        """Bring a parameter to its new value within so many beats."""
+        """Fade a parameter to new numbers within `beats`."""
         self.fade(dict(zip(parameter.numbers, numbers, strict=True)), beats=beats)
 
     def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
-        """Bring numbers of the row, by their places, to new values within so many beats."""
+        """Fade numbers of the row, by place, to new values within `beats`."""
         self._listen()
         self.touched = True
         at_once: list[int] = []
@@ -92,42 +92,44 @@ class Parameters:
             self._tell(np.array(told, np.intp))
 
     def told(self, field: str, groups: Iterable[int]) -> None:
-        """Somebody else has set how these groups vary: no fade changes that any more."""
+        """End the fades of a field for these groups, because it was set elsewhere."""
         for group in groups:
             self._fading[picture_parameters.SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
         self._running = int(np.count_nonzero(self._fading))
 
     def reset(self, *, beats: float) -> None:
-        """Everything goes back to what the patch says."""
+        """Fade all values to those of the patch."""
         self.fade(dict(enumerate(self.start.tolist())), beats=beats)
 
     def take_patch(self, fresh: "Parameters") -> None:
-        """An edited patch says something else of the picture: that comes in `NEW` beats; what it does not change stays
-        as it was set. `Variation` takes over what it says of variety by itself."""
+        """Fade picture values that changed in an edited patch within `NEW` beats; the others stay as set.
+
+        `Variation` adopts its own changes.
+        """
         changed = np.flatnonzero(fresh.start[: picture_parameters.SIZE] != self.start[: picture_parameters.SIZE])
         self.start = fresh.start
         if len(changed):
             self.fade({int(place): float(self.start[place]) for place in changed}, beats=NEW)
 
     def present(self) -> Float64:
-        """Everything as it is now, shape (P,): a copy; nothing of the show's own state changes by that."""
+        """Return all present values, shape (P,): a copy; the state does not change."""
         row = self.value.copy()
         row[picture_parameters.SIZE :] = self._varied()
         return row
 
     def goals(self) -> Float64:
-        """Where everything is, or is going, shape (P,): a copy."""
+        """Return the value or fade target of all numbers, shape (P,): a copy."""
         self._listen()
         return np.where(self._fading, self._goal, self.value)
 
     def goals_at(self, places: Iterable[int]) -> dict[int, float]:
-        """Where these numbers of the picture are, or are going, by their places."""
+        """Return the value or fade target of these numbers of the picture, by place."""
         return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
 
     # -- time --------------------------------------------------------------------------------------------------
 
     def tick(self, beats: float) -> None:
-        """So many beats have passed."""
+        """Advance by `beats`."""
         if self.held:
             return
         self.beat += beats
@@ -136,7 +138,7 @@ class Parameters:
             self._move(told=self._ticks % STRIDE == 0)
 
     def _move(self, *, told: bool) -> None:
-        """Values go to where their fades have them now."""
+        """Update all fading values."""
         rows = self._fading.nonzero()[0]
         share = np.clip((self.beat - self._began[rows]) / self._length[rows], 0.0, 1.0)
         eased = share * share * (3.0 - 2.0 * share)
@@ -152,7 +154,7 @@ class Parameters:
             self._tell(rows[rows >= picture_parameters.SIZE])
 
     def _orbit(self, share: float) -> None:
-        """The camera goes around what it looks at, not through it: the way is even in distance, bearing and height."""
+        """Move the camera around its target, not through it: distance, bearing and height change evenly."""
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
         towards = self._goal if self._fading[target.start] else self.value
         begin = self._from if self._fading[target.start] else self.value
@@ -165,20 +167,20 @@ class Parameters:
         self.value[eye] = self.value[target] + (far * math.sin(bearing), height, far * math.cos(bearing))
 
     def turn_camera(self, angle: float) -> None:
-        """The camera goes around what it looks at by `angle` [rad], and so does the way that it is on."""
+        """Turn the camera, and its running fade, around its target by `angle` [rad]."""
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
         for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
             around = row if self._fading[target.start] else self.value
             row[eye] = turned(row[eye], around[target], angle)
 
-    # -- how dancers vary --------------------------------------------------------------------------------------
+    # -- variation of dancers ----------------------------------------------------------------------------------
 
     def _listen(self) -> None:
-        """Take up how the groups vary now: others set it, too."""
+        """Copy the groups' variation into the row, because other code sets it too."""
         self.value[picture_parameters.SIZE :] = self._varied()
 
     def _varied(self) -> Float64:
-        """How the groups vary now, as numbers, made anew only when that is another: do not change them."""
+        """Return the groups' variation as numbers, cached until it changes: read only."""
         varieties = self._variation.varieties
         if self._heard is None or varieties != self._heard:
             self._heard = varieties
@@ -186,7 +188,7 @@ class Parameters:
         return self._numbers
 
     def _tell(self, rows: npt.NDArray[np.intp]) -> None:
-        """Tell how the groups vary now; nothing but what is in `rows` changes."""
+        """Write the variation to `Variation`; only numbers in `rows` change."""
         new = self.value[rows]
         self._listen()
         self.value[rows] = new
@@ -195,7 +197,7 @@ class Parameters:
 
 
 def turned(eye: Float64, target: Float64, angle: float) -> Float64:
-    """An eye that has gone around its target by `angle` [rad], from +z towards +x."""
+    """Return an eye position turned around its target by `angle` [rad], from +z towards +x."""
     cos, sin = math.cos(angle), math.sin(angle)
     x, z = float(eye[0] - target[0]), float(eye[2] - target[2])
     return np.array([target[0] + cos * x + sin * z, eye[1], target[2] + cos * z - sin * x])

@@ -1,16 +1,16 @@
-"""Refusals: what was asked of a show that it does not have; counted, and the last one kept in words."""
+"""Counter for refused events, with the last reason in words."""
 
 
 class Refusals:
-    """Shared by all who act on events: nothing raises, the show goes on."""
+    """Refused events, shared by all event handlers. A refusal never raises, so the show continues."""
 
     def __init__(self) -> None:
         self.count = 0
-        """Events that asked for something the show does not have (a step that is not there)."""
+        """Number of refused events, such as calls of an unknown step."""
         self.words = ""
-        """The last such event in words, for the operator."""
+        """Reason of the last refusal, for the operator."""
 
     def add(self, words: str) -> None:
-        """Something was refused, for this reason."""
+        """Record a refusal with its reason."""
         self.count += 1
         self.words = words

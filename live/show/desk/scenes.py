@@ -1,8 +1,7 @@
-"""Scenes: named values of any parameters, from the patch or stored live, recalled with a cross-fade; views and looks.
+"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views and looks.
 
-A scene that was stored keeps everything; one of the patch what it says. `start` is what the patch begins with.
-
-Views: the cameras of a patch by name, with those that every show has, as values of the picture's parameters.
+A stored scene contains all values; a scene of the patch only those it lists. `start` is the state at the start of the
+patch. Views are cameras by name: those of the patch and a few built-in ones.
 """
 
 import math
@@ -31,13 +30,13 @@ from live.show.view.render_scene import camera_of_section, projector_camera, sce
 _ANGLE: Final = 34.0
 _ANGLE_FROM_ABOVE: Final = 20.0
 _WIDE: Final = 1.7
-"""Pictures are at least so much wider than high: then the whole stage is in these views."""
+"""Minimum aspect ratio of pictures, for which these views contain the whole stage."""
 _AROUND: Final = 16.0
-"""Measures in which `around` goes once around the stage."""
+"""Measures of one orbit of the view `around`."""
 
 
 def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[str, Setting]:
-    """A camera and how it moves as values by address: all that `/dance/camera/...` can set."""
+    """Return a camera and its motion as values by address: all that `/dance/camera/...` can set."""
     moves = moves or CameraSection()
     return {
         **picture_parameters.camera_values(camera),
@@ -49,7 +48,7 @@ def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[
 
 
 def start_row(patch: Patch) -> picture_parameters.Float64:
-    """The picture's row with which a patch begins, shape (picture.SIZE,)."""
+    """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
     row = picture_parameters.picture_of(scene_of(patch))
     moves = camera_settings(picture_parameters.camera_of(row), patch.camera)
     for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
@@ -64,7 +63,7 @@ def start_row(patch: Patch) -> picture_parameters.Float64:
 
 
 def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | None]]:
-    """All views but `start` by name: their values, and whom they follow."""
+    """Return all views except `start` by name: values, and followed dancers."""
     width, depth = patch.stage.width, patch.stage.depth
     views: dict[str, tuple[dict[str, Setting], str | None]] = {}
     front = Camera(*_from_the_front(width, depth), _ANGLE)
@@ -97,31 +96,31 @@ def _from_above(width: float, depth: float) -> Camera:
 
 
 MOST: Final = 1000
-"""Scenes that are kept at most."""
+"""Maximum number of stored scenes."""
 START: Final = "start"
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What a scene brings: numbers by their place in the row of parameters."""
+    """Target values of a scene, by place in the parameter row."""
 
     name: str
     goals: Mapping[int, float]
     measures: float
-    """Measures of its cross-fade."""
+    """Length of the cross-fade [measures]."""
     whom: str | None = None
-    """Whom its camera follows."""
+    """Dancers that its camera follows."""
 
 
 class Scenes:
     """The scenes, views and looks of one show. Thread: the show's."""
 
     def __init__(self, patch: Patch, parameters: Parameters, rig: CameraRig) -> None:
-        """PersonError for a scene that names what is not there."""
+        """Raises PersonError for a scene that names unknown parts."""
         self._parameters, self._rig = parameters, rig
         self._own = own_numbers(patch.picture.own_passes)
         self.stored: dict[str, Scene] = {}
-        """Scenes that were stored live, by their folded names."""
+        """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
         light = [place for address in LOOK_ADDRESSES.values() for one in table.find(address) for place in one.numbers]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
@@ -143,7 +142,7 @@ class Scenes:
         return None if view is None else _of(self._views, str(view), "view").whom
 
     def take_patch(self, fresh: "Scenes") -> None:
-        """Take over the views, looks and scenes of an edited patch; those that were stored live stay."""
+        """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
         self._own = fresh._own
 
@@ -162,15 +161,15 @@ class Scenes:
 
     @property
     def names(self) -> list[str]:
-        """All scenes."""
+        """Names of all scenes."""
         return [scene.name for scene in (self._scenes | self.stored).values()]
 
     def act(self, event: ControlEvent, *, beats_per_measure: float) -> None:
-        """Let an event of `SCENE_EVENTS` act; PersonError if it names what is not there."""
+        """Handle an event of `SCENE_EVENTS`; raises PersonError if it names unknown parts."""
         _ACTS[type(event)](self, event, beats_per_measure)
 
     def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
-        """Fade to a scene in so many measures; below 0 in as many as it says. PersonError if there is none."""
+        """Fade to a scene in `measures`; below 0: in the scene's own time. Raises PersonError for an unknown scene."""
         scene = _of(self._scenes | self.stored, name, "scene")
         self._go(scene, measures, beats_per_measure)
 
@@ -274,4 +273,4 @@ _ACTS: Final[dict[type, Callable[..., None]]] = {
     events.StoreScene: Scenes._store,
 }
 SCENE_EVENTS: Final = tuple(_ACTS)
-"""The events that `act` takes."""
+"""Events that `act` handles."""

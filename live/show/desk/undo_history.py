@@ -1,10 +1,8 @@
-"""Edits: what was changed by hand can be taken back and made again; what has been played never is.
+"""Undo history for edits made by hand. Motion already danced is never undone.
 
-An edit is an event from outside that changes what is kept (`EDITED`): parameters, scenes, formations, sequences,
-facings, ripples, the set, what is said of captured performers, the cue that stands by. Kept is what differs, by its
-key: taking an edit back touches nothing that anybody else has changed since, but for the same thing.
-
-The parts of a show that can be edited, as values by key: see `live.show.desk.undo_history`.
+An edit is an event from outside that changes lasting state (`EDITED`): parameters, scenes, formations, sequences,
+facings, ripples, the set, settings of captured performers, the standby cue. Each edit stores only the differing values
+by key, so undo does not touch values that others changed since, except the same keys.
 """
 
 from collections import deque
@@ -33,9 +31,9 @@ from live.show.selection.scheduler import Scheduler
 from live.show.selection.step_targets import Headings
 
 MOST: Final = 200
-"""Edits that are kept; the oldest is forgotten."""
+"""Maximum number of edits kept; the oldest is dropped."""
 TOGETHER: Final = 1.0
-"""Events of one kind and source within so many seconds are one edit: a fader that moves."""
+"""Events of one kind and source within this time [s] are one edit, such as a moving fader."""
 
 EDITED: Final[dict[type[ControlEvent], str]] = {
     events.SetPass: "parameters",
@@ -66,31 +64,31 @@ EDITED: Final[dict[type[ControlEvent], str]] = {
 }
 """The part of the show that each kind of edit changes."""
 NEVER: Final = ("music",)
-"""Sources whose events are no edits: what the music changes it changes again."""
+"""Sources whose events are no edits: the music changes its values again by itself."""
 
 _WHAT: Final = ("parameter", "name", "performer")
-"""What of an event says what it changes, whichever it has."""
+"""Event fields that identify the edited thing; the first present one counts."""
 _SAID: Final = ("parameter", "name", "facing", "steps", "performer")
-"""What of an event says in words what it changes, whichever it has and is not empty."""
+"""Event fields that describe an edit in words; the first non-empty one counts."""
 
 Kept = dict[Any, Any]
 Now = Kept | npt.NDArray[np.float64]
-"""All values of a part by key; those of an array by their places."""
+"""All values of a part by key; for an array, by place."""
 
 
 class Part(Protocol):
-    """A part of the show that can be edited, as values by key."""
+    """An editable part of the show, as values by key."""
 
     def take(self) -> Now:
-        """All its values now; they are never changed afterwards."""
+        """Return all present values; they are never modified afterwards."""
         ...
 
     def concerned(self, event: ControlEvent) -> Now:
-        """Those of them that this event can change: all, unless a part knows better."""
+        """Return the values that this event can change: by default all."""
         return self.take()
 
     def give(self, values: Mapping[Any, Any]) -> None:
-        """Bring these back; None: there shall be nothing of this key."""
+        """Restore these values; None removes the key."""
         ...
 
 
@@ -106,13 +104,13 @@ class _Edit:
 
 @cache
 def _has(kind: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
-    """Which of these fields events of a kind have."""
+    """Return which of these fields events of a kind have."""
     known = {field.name for field in fields(events.EVENT_TYPES[kind])}
     return tuple(name for name in wanted if name in known)
 
 
 def _words(event: ControlEvent) -> str:
-    """An edit in a few words, for the operator."""
+    """Return a short description of an edit, for the operator."""
     what = type(event).__name__
     for name in _has(what, _SAID):
         value = getattr(event, name)
@@ -122,7 +120,7 @@ def _words(event: ControlEvent) -> str:
 
 
 def _differences(before: Now, after: Now) -> tuple[Kept, Kept]:
-    """What was and what is, of the keys whose values differ."""
+    """Return old and new values of the keys that differ."""
     if isinstance(before, dict) and isinstance(after, dict):
         if before == after:
             return {}, {}
@@ -143,12 +141,12 @@ class Edits:
         self._before: Now | None = None
 
     def before(self, event: ControlEvent) -> None:
-        """An event from outside is about to act."""
+        """Record the state before an event from outside is applied."""
         edited = EDITED.get(type(event)) if event.source not in NEVER else None
         self._before = self._parts[edited].concerned(event) if edited else None
 
     def after(self, event: ControlEvent) -> None:
-        """It has acted."""
+        """Record the edit after the event was applied."""
         before, self._before = self._before, None
         if before is None:
             return
@@ -168,7 +166,7 @@ class Edits:
         self._undone.clear()
 
     def undo(self) -> None:
-        """Take the last edit back; PersonError if there is none."""
+        """Revert the last edit; raises PersonError if there is none."""
         if not self._done:
             raise PersonError("nothing to take back")
         edit = self._done.pop()
@@ -176,7 +174,7 @@ class Edits:
         self._parts[edit.part].give(edit.before)
 
     def redo(self) -> None:
-        """Make the last edit again that was taken back; PersonError if there is none."""
+        """Repeat the last reverted edit; raises PersonError if there is none."""
         if not self._undone:
             raise PersonError("nothing was taken back")
         edit = self._undone.pop()
@@ -184,7 +182,7 @@ class Edits:
         self._parts[edit.part].give(edit.after)
 
     def facts(self) -> dict[str, Any]:
-        """For the status: what undo and redo would do, in words, and how many edits are kept."""
+        """Return descriptions of the next undo and redo, and the number of edits, for the status."""
         return {
             "undo": self._done[-1].words if self._done else None,
             "redo": self._undone[-1].words if self._undone else None,
@@ -193,7 +191,7 @@ class Edits:
 
 
 class EditedParameters(Part):
-    """Where each parameter is, or is going, by its place in the row."""
+    """Value or fade target of each parameter, by place in the row."""
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
@@ -203,7 +201,7 @@ class EditedParameters(Part):
         return self._parameters.goals()
 
     def concerned(self, event: ControlEvent) -> Now:
-        """See `Part`. A value of the picture is set by the thousand: only its own numbers are looked at."""
+        """See `Part`. Picture events are frequent: only their own numbers are compared."""
         if type(event) is SetPicture:
             places = self._parameters.table.places(event.parameter, event.group)
             if places and max(places) < picture_parameters.SIZE:
@@ -269,7 +267,7 @@ class EditedSequences(Part):
 
 
 class EditedFacings(Part):
-    """Where groups look."""
+    """Facings of the groups."""
 
     def __init__(self, headings: Headings) -> None:
         self._headings = headings
@@ -285,7 +283,7 @@ class EditedFacings(Part):
 
 
 class EditedRipples(Part):
-    """What runs over groups."""
+    """Ripples of the groups."""
 
     def __init__(self, variation: Variation) -> None:
         self._variation = variation
@@ -301,7 +299,7 @@ class EditedRipples(Part):
 
 
 class EditedSet(Part):
-    """Walls and obstacles by kind and name; real dancers are none."""
+    """Walls and obstacles by kind and name, without real dancers."""
 
     def __init__(self, surroundings: Surroundings) -> None:
         self._surroundings = surroundings
@@ -316,7 +314,7 @@ class EditedSet(Part):
     def give(self, values: Mapping[Any, Any]) -> None:
         """See `Part`."""
         now = {**self.take(), **values}
-        for name in {name for _, name in values}:  # a wall and an obstacle of one name go together
+        for name in {name for _, name in values}:  # a wall and an obstacle may share a name, and `remove` removes both
             self._surroundings.remove(name)
             wall, obstacle = now.get(("wall", name)), now.get(("obstacle", name))
             if wall is not None:
@@ -326,7 +324,7 @@ class EditedSet(Part):
 
 
 class EditedMocap(Part):
-    """What is said of captured performers, by their names and that of the control."""
+    """Settings of captured performers, by performer and control name."""
 
     def __init__(self, mocap: Mocap) -> None:
         self._mocap = mocap
@@ -343,7 +341,7 @@ class EditedMocap(Part):
 
 
 class EditedStandBy(Part):
-    """The cue that stands by."""
+    """The standby cue."""
 
     def __init__(self, cues: Cues) -> None:
         self._cues = cues
@@ -365,7 +363,7 @@ def parts_of(
     parameters: Parameters, scenes: Scenes, cues: Cues, motion: GroupMotion, scheduler: Scheduler,
     variation: Variation, mocap: Mocap,
 ) -> dict[str, Part]:  # fmt: skip
-    """All parts of a show that can be edited, by the names in `EDITED`."""
+    """Return all editable parts of a show, by the names in `EDITED`."""
     return {
         "parameters": EditedParameters(parameters),
         "scenes": EditedScenes(scenes),

@@ -1,1 +1,1 @@
-"""Partners on the stage, rehearsed or answered live. It may import what `show` may."""
+"""Partners on the stage: followers answer leaders live. It may import what `show` may."""

@@ -1,4 +1,4 @@
-"""Answer leaders: those whom partners answer, read frame by frame of their own beats; what is decided is told."""
+"""Input from the leaders of partners: their poses are sampled frame by frame in their own beats and matched."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final
@@ -20,15 +20,15 @@ See = Callable[[Int32], tuple[Float32, Float32]]
 Key = tuple[int, int]
 
 LEAP: Final = 4
-"""Frames that a leader's beats may jump by and still go on."""
+"""Maximum jump of a leader's beats in frames; beyond it the present answer is held."""
 AT_ONCE: Final = 2
-"""Leaders read in one tick; who is next is read in the next one."""
+"""Leaders read in one tick; the others wait for the next tick."""
 APART: Final = 0.618
-"""Frames of each next leader begin so much of a frame earlier, so that few begin at once."""
+"""Phase offset between the frames of successive leaders [frames], so that few are due in the same tick."""
 BEYOND: Final = 1.6
-"""So many frames an answer goes on after its latest frame."""
+"""Frames by which an answer is extrapolated after its latest frame."""
 KEPT: Final = 64
-"""News that are kept for who tells them on."""
+"""Number of latest news entries kept."""
 
 
 class AnswerLeaders:
@@ -37,19 +37,19 @@ class AnswerLeaders:
     def __init__(self, bank: AnswerBank) -> None:
         self._bank = bank
         self.read: dict[Key, ReadLeader] = {}
-        """Each by the number of the partner and by who she is."""
+        """Reader state by partner index and leader row."""
         self.news: list[tuple[int, str, str]] = []
-        """The latest units danced: number from 1, partner, label."""
+        """Latest danced units: number from 1, partner, label."""
         self.told = 0
-        """How many there were in all."""
+        """Total number of danced units."""
         self._fresh: list[str] = []
 
     def of(self, pair: Pair) -> ReadLeader:
-        """Who leads a pair, as she is read."""
+        """Return the reader of a pair's leader."""
         return self.read[pair.partner, pair.leader]
 
     def take(self, pairs: Iterable[Pair], leaving: Iterable[Pair]) -> None:
-        """Read those who lead `pairs`, and go on with those who still lead who is `leaving`; no others."""
+        """Read the leaders of `pairs`, keep those of pairs that are `leaving`, and drop all others."""
         wanted = {(pair.partner, pair.leader) for pair in pairs}
         keep = wanted | {(pair.partner, pair.leader) for pair in leaving}
         for key in [key for key in self.read if key not in keep]:
@@ -58,7 +58,7 @@ class AnswerLeaders:
             self.read[key] = ReadLeader(self._bank.lores[key[0]], (len(self.read) * APART) % 1.0)
 
     def look(self, asked: Sequence[Asked], danced: Float64, there: Bool, tracks: Tracks, see: See) -> None:
-        """Those whose next frame has begun, AT_ONCE of them, who waits longest first; see `Answering.tick`."""
+        """Read up to AT_ONCE leaders whose next frame has begun, most overdue first; see `Answering.tick`."""
         due = []
         for key, read in self.read.items():
             leader = key[1]
@@ -91,18 +91,18 @@ class AnswerLeaders:
         self._fresh.append(label)
 
     def take_fresh(self) -> list[str]:
-        """The labels of units that were decided since the last call."""
+        """Return the labels of units recognised since the last call, and clear them."""
         fresh, self._fresh = self._fresh, []
         return fresh
 
 
 def frames_since(read: ReadLeader, danced: float) -> float:
-    """How many frames have passed since the latest one, when its leader has danced so many beats."""
+    """Return the frames since the latest one, for a leader at this danced beat."""
     return min(max(read.since(danced), 0.0), BEYOND)
 
 
 def answer_at(read: ReadLeader, danced: float) -> Float64:
-    """Where the answer is when its leader has danced so many beats [m], (2,)."""
+    """Return the position of the answer [m], (2,), for a leader at this danced beat."""
     t = 2.0 * frames_since(read, danced)
     begin = int(t >= 1.0)
     t -= begin

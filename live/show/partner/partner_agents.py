@@ -1,4 +1,4 @@
-"""The agents of those who answer others: where they go, and where they are, so that others avoid them (H024)."""
+"""Agents of answering dancers: they go to and stay at the answer's position, so that others avoid them (H024)."""
 
 from typing import Final
 
@@ -12,21 +12,22 @@ from live.show.partner.partner_response import Answering
 Float32 = npt.NDArray[np.float32]
 
 BESIDE: Final = 0.02
-"""So much farther [m] than bodies are wide the agent of who answers stays from her leader's."""
+"""Extra distance [m] beyond both radii between the agents of follower and leader."""
 CLOSING_S: Final = 0.6
-"""Who goes to her leader would be there in this time [s], if she were fast enough."""
+"""Time [s] in which a follower would reach the answer's position if no speed limit applied."""
 
 
 class AnsweringAgents:
-    """Of one show; they are its own agents."""
+    """Steering of the answering dancers of one show."""
 
     def __init__(self, radius: Float32, usual: float) -> None:
-        """`radius` (A,) [m] of each agent, `usual` that of most [m]."""
+        """`radius` (A,) [m] of each agent, `usual` [m] of most agents."""
         self._radius, self._usual = radius, usual
         self._answering: Answering | None = None
 
     def go_along(self, answering: Answering | None, shown: Float32, state: AgentState) -> None:
-        """Who answers is where she is `shown` (A, 2) [m]; not so near to her leader that this one would avoid her."""
+        """Place the agent of each answering dancer where the dancer is `shown` (A, 2) [m], but far enough from the
+        leader's agent that the leader does not avoid it."""
         self._answering = answering
         if answering is None or not answering.along.following.any():
             return
@@ -42,7 +43,7 @@ class AnsweringAgents:
             state.velocity[follow] = state.velocity[lead]
 
     def ask(self, wants: Wants, state: AgentState) -> None:
-        """Who answers goes to where her answer is; nobody is pushed off by who answers her."""
+        """Steer seeking dancers to their answer, and reduce separation between leaders and followers."""
         answering = self._answering
         if answering is None:
             return

@@ -1,4 +1,4 @@
-"""Answer pairs: who answers whom, of what `[[partner]]` tables and controls say; and what cannot be."""
+"""Leader and follower pairs from `[[partner]]` tables and controls, with their checks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,47 +12,47 @@ from live.show.patch.patch import Patch
 
 NOBODY: Final = -1
 MOST_LEADERS: Final = 4
-"""So many leaders are read at once, each by a search of her own ..."""
+"""Maximum number of leaders read at once; each needs its own search."""
 MOST_WALKERS: Final = 8
-"""... and so many walkers, whose ways are read faster."""
+"""Maximum number of followers led by a path, which is faster to read."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What is asked of one partner now."""
+    """Settings of one partner."""
 
     name: str
     leader: str
-    """Who leads, in words; `path` for nobody."""
+    """Words that select the leader; `path`: each follower's own path leads."""
     follower: str
     on: bool = True
     amount: float = 1.0
     window: float = 0.04
-    """How much beside the beat units may begin [s]."""
+    """How far units may begin off the beat [s]."""
     place: str | None = None
     hands: float = 1.0
-    """How far hands are held where the examples' are."""
+    """Weight of holding hands where the examples do."""
 
     @property
     def by_path(self) -> bool:
-        """Whether each follower is led by her own way."""
+        """Whether each follower is led by the path of the follower's own agent."""
         return self.leader.strip().casefold() == "path"
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """One dancer who answers."""
+    """One answering dancer."""
 
     partner: int
-    """Which `[[partner]]`."""
+    """Index of the `[[partner]]`."""
     leader: int
-    """Whom she answers; herself where her way leads her."""
+    """Row of the leader; the follower's own row if a path leads."""
     follower: int
     own_place: bool
 
 
 def asked_of(patch: Patch) -> list[Asked]:
-    """What a patch asks."""
+    """Return the partner settings of a patch."""
     return [
         Asked(
             one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place, one.hands
@@ -62,7 +62,7 @@ def asked_of(patch: Patch) -> list[Asked]:
 
 
 def check_partners(patch: Patch, casting: Casting) -> None:
-    """PersonError, with the keys that lead there, for partners of a patch that cannot be."""
+    """Raise PersonError, with the patch keys, for invalid partners of a patch."""
     asked = asked_of(patch)
     for index, one in enumerate(asked):
         try:
@@ -75,7 +75,7 @@ def check_partners(patch: Patch, casting: Casting) -> None:
         for group in hand_in_hand:
             if group.partners is not None:
                 raise PersonError(
-                    f"partner {one.name!r}: who answers is of {group.name!r}, who dance hand in hand",
+                    f"partner {one.name!r}: the follower is in {group.name!r}, whose dancers hold hands",
                     f"take partners out of the group {group.name!r}, or name another follower",
                     ("partner", index, "follower"),
                 )
@@ -85,12 +85,12 @@ def check_partners(patch: Patch, casting: Casting) -> None:
 
 
 def pairs_of(asked: Sequence[Asked], casting: Casting) -> list[Pair]:
-    """All pairs; PersonError for words that mean nobody, and for numbers that do not fit."""
+    """Return all pairs; raises PersonError for words that select no dancer, and for counts that do not match."""
     return [pair for index, one in enumerate(asked) for pair in pairs_of_one(index, one, casting)]
 
 
 def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
-    """The pairs of one partner; `place` of a PersonError is the key that is wrong."""
+    """Return the pairs of one partner; `place` of a PersonError is the wrong key."""
     followers = _who(one.follower, casting, "follower")
     if one.by_path:
         return [Pair(index, row, row, True) for row in followers]
@@ -98,7 +98,7 @@ def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
     both = sorted(set(leaders) & set(followers))
     if both:
         raise PersonError(
-            f"dancer {both[0] + 1} would answer herself: she is both of {one.leader!r} and of {one.follower!r}",
+            f"dancer {both[0] + 1} would answer themselves: they are in both {one.leader!r} and {one.follower!r}",
             "name other dancers for one of them",
             ("leader",),
         )
@@ -116,22 +116,23 @@ def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
 def _who(words: str, casting: Casting, key: str) -> list[int]:
     with named(f"{key} {words[:80]!r}", (key,)):
         if casting.means_places(words):
-            raise PersonError("places mean somebody else from moment to moment", "name groups, attributes or numbers")
+            raise PersonError("places select other dancers from moment to moment", "name groups, attributes or numbers")
         rows = np.flatnonzero(casting.select(words, np.zeros((len(casting.group), 2)))).tolist()
         if not rows:
-            raise PersonError("nobody is meant", "a group, attributes or numbers of dancers")
+            raise PersonError("no dancer is selected", "name a group, attributes or numbers of dancers")
         return [int(row) for row in rows]
 
 
 def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
-    """PersonError for a dancer who would answer two, for circles, and for too many leaders."""
+    """Raise PersonError for a dancer who answers two leaders, for cycles, and for too many leaders."""
     answers: dict[int, Pair] = {}
     for pair in pairs:
         before = answers.setdefault(pair.follower, pair)
         if before is not pair:
             names = asked[before.partner].name, asked[pair.partner].name
             raise PersonError(
-                f"dancer {pair.follower + 1} answers in {names[0]!r} and in {names[1]!r}", "name her in one of them",
+                f"dancer {pair.follower + 1} answers in {names[0]!r} and in {names[1]!r}",
+                "name the dancer in only one of them",
                 (pair.partner, "follower"),
             )  # fmt: skip
     for pair in pairs:
@@ -141,7 +142,7 @@ def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
             if way[-1] == way[0]:
                 told = " answers ".join(str(row + 1) for row in way)
                 raise PersonError(
-                    f"a circle of dancers: {told}; somebody has to lead",
+                    f"a circle of dancers: {told}; one of them has to lead",
                     "take one of these partners out",
                     (pair.partner, "leader"),
                 )
@@ -150,15 +151,15 @@ def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
     leaders = {(pair.partner, pair.leader) for pair in pairs if pair.leader != pair.follower}
     if len(leaders) > MOST_LEADERS:
         raise PersonError(
-            f"{len(leaders)} leaders are to be read; {MOST_LEADERS} at most", "let several dancers answer one leader"
+            f"{len(leaders)} leaders are answered; {MOST_LEADERS} at most", "let several dancers answer one leader"
         )
     walkers = sum(pair.leader == pair.follower for pair in pairs)
     if walkers > MOST_WALKERS:
-        raise PersonError(f"{walkers} are to walk along their ways; {MOST_WALKERS} at most", "name fewer followers")
+        raise PersonError(f"{walkers} followers are led by a path; {MOST_WALKERS} at most", "name fewer followers")
 
 
 def in_order(pairs: Sequence[Pair]) -> list[Pair]:
-    """The same, leaders before those who answer them (there are no circles)."""
+    """Return the pairs with leaders before the dancers who answer them (there are no cycles)."""
     answers = {pair.follower: pair for pair in pairs if pair.leader != pair.follower}
 
     def depth(pair: Pair) -> int:

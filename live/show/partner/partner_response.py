@@ -1,8 +1,8 @@
-"""Answering: dancers of a show who answer its leaders, live, as followers of examples have answered theirs (H024).
+"""Live partner response: dancers answer their leaders as the followers of recorded examples did (H024).
 
-So many times in each of her own beats a leader is looked at as she is seen, and read (`live/motion/example/online`);
-what answers her is shown by her followers in place of their steps, which they go on dancing unseen, wherever they are
-taken. It comes in over a measure and goes out over one. All is decided in ticks; what is drawn reads it.
+A leader's pose is read several times per beat and matched (`live/motion/partner_live`). The follower shows the answer
+instead of the own steps, which continue unseen. The answer fades in and out over one measure. All decisions are made in
+ticks; drawing only reads them.
 """
 
 import contextlib
@@ -31,16 +31,16 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 HOLD: Final = 0.25
-"""A leader who has not moved for so long [s] has stopped: until then her followers hold what they do."""
+"""Time [s] without motion after which a captured leader counts as stopped; until then followers hold their pose."""
 STANDS: Final = 2.0
-"""Beats a dancer of the show may stand in a step without having stopped."""
+"""Beats without motion after which a leader who dances steps counts as stopped."""
 
 
 class Answering:
-    """The partners of one show, of A dancers. Thread: the show's."""
+    """The partners of one show with A dancers. Thread: the show's."""
 
     def __init__(self, patch: Patch, casting: Casting, variation: Variation, bank: AnswerBank | None) -> None:
-        """Without a bank nobody answers. PersonError for partners that cannot be was told before (`check_partners`)."""
+        """Without a bank no dancer answers. Invalid partners were reported before (`check_partners`)."""
         count = len(casting.group)
         self.bank = bank or AnswerBank(())
         self._casting, self._variation = casting, variation
@@ -48,14 +48,14 @@ class Answering:
         self.asked: list[Asked] = asked_of(patch) if self.bank.lores else []
         self.pairs: list[Pair] = []
         self.leaders = AnswerLeaders(self.bank)
-        """Who is answered."""
+        """Readers of the leaders."""
         self.along = TakenAlong(count)
-        """Who answers, and where that takes her."""
+        """Fade and root motion of the followers."""
         self.live: Bool = np.zeros(count, np.bool_)
-        """Who is moved by a stream, (A,): such a leader has stopped as soon as she stands like a picture."""
+        """Dancers moved by a live stream, (A,): such a leader has stopped after HOLD."""
         self._poses = AnswerPoses(self.leaders, self.along)
         self.holding = Holding(count)
-        """Whose hands they hold."""
+        """Hand holds between followers and leaders."""
         self._ways: dict[int, DrawnWay] = {}
         self._agents: Float32 = np.zeros((count, 2), np.float32)
         self._danced: Float64 = np.zeros(count)
@@ -64,9 +64,9 @@ class Answering:
         self.ask(self.asked)
 
     def take_patch(self, fresh: "Answering") -> None:
-        """Ask what another patch asks; what was said live of partners whose tables are the same stays.
+        """Adopt the partner tables of an edited patch; live settings stay for unchanged tables.
 
-        What it answers from is known from the start on (`edit.fitted` sees to that).
+        The example bank is fixed at the start (`edit.fitted` ensures that).
         """
         for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
             if old != new:
@@ -74,23 +74,23 @@ class Answering:
         self._written = fresh._written
         self.settle()
 
-    # -- who answers whom ----------------------------------------------------------------------------------------
+    # -- pairs ---------------------------------------------------------------------------------------------------
 
     def ask(self, asked: list[Asked]) -> None:
-        """Something else is asked from now on; PersonError if that cannot be, and all stays as it was."""
+        """Apply these settings; on PersonError nothing changes."""
         pairs = in_order(pairs_of(asked, self._casting))
         check_pairs(asked, pairs)
         self.asked = asked
         self._take(pairs)
 
     def settle(self) -> None:
-        """Groups may be others than before: who can still answer somebody does."""
+        """Form the pairs again after groups changed; on an error the old pairs stay."""
         if self.asked:
             with contextlib.suppress(PersonError):
                 self.ask(self.asked)
 
     def find(self, name: str) -> list[int]:
-        """The partners that a name means; "" and "*" are all. PersonError if none is called so."""
+        """Return the indices of the partners with this name; "" and "*" are all. Raises PersonError for none."""
         if name.strip() in ("", "*") and self.asked:
             return list(range(len(self.asked)))
         found = [n for n, one in enumerate(self.asked) if one.name.casefold() == name.casefold().strip()]
@@ -100,7 +100,7 @@ class Answering:
         return found
 
     def change(self, name: str, key: str, value: object) -> None:
-        """What is asked of the partners called `name` changes in one key of `Asked`; PersonError if it cannot be."""
+        """Set one key of `Asked` for the partners called `name`; raises PersonError if the result is invalid."""
         asked = list(self.asked)
         for index in self.find(name):
             if key == "window":
@@ -109,7 +109,7 @@ class Answering:
         self.ask(asked)
 
     def walk_on(self, name: str, point: tuple[float, float], *, anew: bool) -> None:
-        """Who is led by her own way in the partners called `name` goes on to `point` [m]; PersonError for none."""
+        """Extend the drawn path of the path-led partners called `name` to `point` [m]; PersonError for none."""
         meant = [index for index in self.find(name) if self.asked[index].by_path]
         if not meant:
             raise PersonError(f"partner {name!r} is led by dancers, not by a way", 'leader = "path" in the patch')
@@ -121,7 +121,7 @@ class Answering:
             way.add(point)
 
     def _take(self, pairs: list[Pair]) -> None:
-        """Read those who lead now; who answered somebody else leaves her first."""
+        """Read the leaders of these pairs; a follower with another leader fades out of the old answer first."""
         old = (*self._leaving, *self.pairs)
         self._leaving = [pair for pair in old if pair not in pairs and self.along.level[pair.follower] > 0.0]
         self.leaders.take(pairs, self._leaving)
@@ -130,23 +130,23 @@ class Answering:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def begin_measure(self) -> None:
-        """A measure begins: dancers may be of other groups now."""
+        """Begin a measure: update the pairs if groups have changed."""
         if self._casting.roster is not self._roster:
             self._roster = self._casting.roster
             self.settle()
 
     def danced(self, phase: Float64) -> Float64:
-        """Beats danced so far by everybody, who is at `phase` (A,) of the present measure."""
+        """Return the danced beat of each dancer at `phase` (A,) of the present measure."""
         return np.asarray((self._variation.measure + phase) * self._beats)
 
     def tick(
         self, phase: Float64, hips: Float32, faces: Float32, there: Bool, tracks: Tracks, see: See, dt: float
     ) -> None:
-        """A tick of `dt` [s]: read who leads, and take along who answers.
+        """Advance by one tick of `dt` [s]: read the leaders and move the followers.
 
-        Dancers are at `phase` (A,) of the measure with their `hips` (A, 2) [m], turned by `faces` (A, 4); `there` (A,):
-        who is on the stage. `tracks`: places (A, 2) [m] and velocities (A, 2) [m/s] of their agents. `see` tells how
-        some dancers look now.
+        Dancers are at `phase` (A,) of the measure with their `hips` (A, 2) [m] and hip rotation `faces` (A, 4); `there`
+        (A,): present on the stage. `tracks`: positions (A, 2) [m] and velocities (A, 2) [m/s] of their agents. `see`
+        returns the present poses of some dancers.
         """
         if not self.asked:
             return
@@ -173,12 +173,12 @@ class Answering:
                 del self._ways[index]
 
     def _acting(self) -> list[Pair]:
-        """The pairs that are shown, or may be: who leaves one leader has no other one yet."""
+        """Return the pairs that may be shown: a follower still leaving one leader has no other yet."""
         busy = {pair.follower for pair in self._leaving}
         return [*(pair for pair in self.pairs if pair.follower not in busy), *self._leaving]
 
     def _let_go(self) -> None:
-        """What is held for nobody is let go."""
+        """Release the held state of leaders without a visible follower."""
         for key, read in self.leaders.read.items():
             if read.held and not any(
                 self.along.level[pair.follower] > 0.0 for pair in self._acting() if (pair.partner, pair.leader) == key
@@ -189,7 +189,7 @@ class Answering:
                         self.along.forget(pair.follower)
 
     def _wanted(self, pair: Pair, one: Asked, read: ReadLeader, there: Bool) -> bool:
-        """Whether she is to answer: both are there, and the leader has not stopped."""
+        """Whether the follower should answer: both are present, and the leader has not stopped."""
         if not (one.on and one.amount > 0.0 and read.known and there[pair.leader] and there[pair.follower]):
             return False
         if one.by_path:
@@ -197,18 +197,19 @@ class Answering:
         stands = HOLD / read.lore.period if self.live[pair.leader] else STANDS
         return read.still <= stands * read.lore.per_beat
 
-    # -- what is seen --------------------------------------------------------------------------------------------
+    # -- drawing -------------------------------------------------------------------------------------------------
 
     def stand(self, position: Float32, rotation: Float32, age: float) -> None:
-        """Hold the feet of those who answer in poses (A, J, 3) and (A, J, 4), world, `age` [s] after the last tick."""
+        """Apply foot lock to the answering dancers in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last
+        tick."""
         self._poses.stand(position, rotation, age)
 
     def reach(self, position: Float32, rotation: Float32, age: float) -> None:
-        """Bring hands that are held together in poses (A, J, 3) and (A, J, 4), world, `age` [s] after the last tick."""
+        """Join held hands in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last tick."""
         self.holding.reach(position, rotation, self.along.share, age)
 
     def show(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
-        """Change poses at `position` (A, J, 3) and `rotation` (A, J, 4), world, of dancers at `phase` (A,) of the
-        measure to what answers; or those of the dancers `rows` (n,) alone, (n, J, 3) and (n, J, 4)."""
+        """Blend the answers into world poses `position` (A, J, 3) and `rotation` (A, J, 4) of dancers at `phase`
+        (A,) of the measure; with `rows` (n,) only of these dancers, (n, J, 3) and (n, J, 4)."""
         if self.pairs or self._leaving:
             self._poses.show(self._acting(), self.danced(phase), position, rotation, rows)

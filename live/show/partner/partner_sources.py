@@ -1,4 +1,4 @@
-"""What a patch's `[[partner]]` tables answer from: files of pairs, or the steps of the show itself."""
+"""Example motion for the `[[partner]]` tables of a patch: files of recorded pairs, or the show's own steps."""
 
 import hashlib
 from pathlib import Path
@@ -20,24 +20,24 @@ from live.show.patch.section_motion import PartnerSection
 
 SHOWN: Final = 20
 WALK: Final = "walk"
-"""Who walks along a way does this step, where there is one and no other is named."""
+"""Step used for a dancer led by a path, where it exists and no other is named."""
 FEWEST: Final = 2
-"""With fewer units there is nothing to choose from."""
+"""Minimum number of units, so that there is a choice."""
 
 
 class AnswerBank:
-    """For each `[[partner]]` of a patch what it answers from; it never changes."""
+    """Example motion for each `[[partner]]` of a patch; immutable."""
 
     def __init__(self, lores: tuple[Lore, ...]) -> None:
         self.lores = lores
 
     @property
     def labels(self) -> frozenset[str]:
-        """Names of the recordings or steps whose units may be danced, folded."""
+        """Case-folded names of the recordings or steps whose units may be danced."""
         return frozenset(one.name.casefold() for lore in self.lores for one in lore.units.examples)
 
     def digest(self) -> str:
-        """A short hash over all motion in it."""
+        """Return a short hash of all motion in it."""
         found = hashlib.blake2b(digest_size=8)
         for lore in self.lores:
             found.update(f"{lore.per_beat} {lore.unit_beats} {lore.stretch:g} {lore.units.count}".encode())
@@ -51,7 +51,8 @@ class AnswerBank:
 
 
 def answer_bank(patch: Patch, path: Path, library: StepLibrary) -> AnswerBank | None:
-    """What the partners of a patch answer from, None if it has none; PersonError for files that cannot be used."""
+    """Return the example motion for the partners of a patch, None if it has none; raises PersonError for unusable
+    files."""
     if not patch.partner:
         return None
     made: dict[tuple[object, ...], Lore] = {}
@@ -68,7 +69,7 @@ def answer_bank(patch: Patch, path: Path, library: StepLibrary) -> AnswerBank | 
 
 
 def _check_reactions(patch: Patch, bank: AnswerBank) -> None:
-    """PersonError for what reacts to a unit that nobody dances."""
+    """Raise PersonError for a reaction to a unit that no examples contain."""
     for index, one in enumerate(patch.react):
         name = (one.on or "").casefold()
         if not name.startswith(UNIT):
@@ -94,7 +95,7 @@ def _lore(section: PartnerSection, patch: Patch, path: Path, library: StepLibrar
 
 
 def _steps(section: PartnerSection, library: StepLibrary) -> list[StepClip]:
-    """The show's steps that examples are made of."""
+    """Return the show's steps from which examples are made."""
     names = {name.casefold() for name in section.steps} or ({WALK} if section.by_path else set())
     known = {clip.step.casefold() for clip in library.clips}
     for name in section.steps:
@@ -105,7 +106,7 @@ def _steps(section: PartnerSection, library: StepLibrary) -> list[StepClip]:
 
 
 def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[Units, int]:
-    """Units, and how many beats each is long."""
+    """Return the units, and their length in beats."""
     if section.examples is None:
         try:
             clips = _steps(section, library)
@@ -116,16 +117,16 @@ def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[U
             raise PersonError(str(error), "fewer unit_beats, or other steps") from None
     found = find_beside(section.examples, path)
     if found is None:
-        raise PersonError(f"there is no file {section.examples[:200]!r}", "name it beside the patch")
+        raise PersonError(f"there is no file {section.examples[:200]!r}", "put the file in the patch's folder")
     known = read_pairs(found)
     walks = known.leaders[0] is None
     if walks != section.by_path:
-        kind, remedy = ("walks", 'leader = "path"') if walks else ("pairs, which somebody leads", "leader")
+        kind, remedy = ("walks", 'leader = "path"') if walks else ("pairs with a leader", "leader")
         raise PersonError(f"{found} holds {kind}", remedy)
     near = _near(section)
     return known.units if near is None else with_holds(known, near), 1 if walks else known.wanted.unit_beats
 
 
 def _near(section: PartnerSection) -> Near | None:
-    """What counts as a hold where none is written down, None for nothing."""
+    """Return the criterion for a hold where none is written down, None for none."""
     return None if section.near is None else Near(*section.near)

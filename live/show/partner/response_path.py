@@ -1,7 +1,7 @@
-"""Taken along: how far each dancer's answer has come in, and where it takes her.
+"""Root motion of answering dancers: fade of each answer, and the path it takes the dancer along.
 
-It comes in over a measure and goes out over one. Who is far from where she would answer goes there first; who answers
-moves as her answer and her own steps do, as far as each is in.
+The answer fades in and out over one measure. A follower far from the answer's position goes there first. An answering
+dancer moves by a blend of the answer and the own steps, weighted by the fade.
 """
 
 import math
@@ -20,71 +20,71 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 NEAR: Final = 0.9
-"""Who is nearer than this [m] to where she would answer needs no way there."""
+"""Distance [m] to the answer below which the dancer does not go there first."""
 PATIENCE: Final = 3.0
-"""Measures after which she goes over wherever she is."""
+"""Measures after which the answer fades in regardless of the distance."""
 FASTEST: Final = 0.7
-"""So fast [m/s] she is brought to her place beside what she goes herself ..."""
+"""Maximum speed [m/s] of the pull to the answer's position, in addition to the dancer's own motion."""
 CLOSES: Final = 0.4
-"""... with this time constant [s]."""
+"""Time constant of that pull [s]."""
 FADE_HALFLIFE: Final = 0.15
-"""Half-life [s] of the way to where the fader is."""
+"""Half-life [s] of the approach to the amount setting."""
 STRAYS: Final = 0.12
-"""Who walks along a way is never farther than this [m] from her agent on it."""
+"""Maximum distance [m] between a path-led dancer and the agent."""
 
 
 class TakenAlong:
-    """Who of A dancers is taken along by an answer, and how. Thread: the show's."""
+    """Fade and root motion of the answers of A dancers. Thread: the show's."""
 
     def __init__(self, count: int) -> None:
         self.level: Float64 = np.zeros(count)
-        """How far each dancer's answer has come in, 0 to 1, linear in time, (A,)."""
+        """Fade level of each dancer's answer, 0 to 1, linear in time, (A,)."""
         self.share: Float64 = np.zeros(count)
-        """How much of it is shown, (A,)."""
+        """Visible weight of the answer, (A,)."""
         self.following: Bool = np.zeros(count, np.bool_)
-        """Who is taken along by her answer now, (A,)."""
+        """Dancers moved by an answer to a leader, (A,)."""
         self.carried: Bool = np.zeros(count, np.bool_)
-        """Who is, and who goes her own way as an answer to it, (A,)."""
+        """Dancers moved by any answer, including path-led ones, (A,)."""
         self.led: Bool = np.zeros(count, np.bool_)
-        """Who leads somebody who is, (A,)."""
+        """Leaders of following dancers, (A,)."""
         self.seeks: Bool = np.zeros(count, np.bool_)
-        """Who goes to where she would answer, (A,), and where that is [m]: `goal` (A, 2)."""
+        """Dancers on their way to the answer's position `goal` (A, 2) [m], (A,)."""
         self.goal: Float64 = np.zeros((count, 2))
         self.moved: Float64 = np.zeros((count, 2))
-        """By how much each dancer is to be taken elsewhere in this tick [m], (A, 2)."""
+        """Displacement of each dancer in this tick [m], (A, 2)."""
         self.answered: Float64 = np.zeros((count, 2))
-        """Where the answer was at the last tick [m], (A, 2)."""
+        """Position of the answer at the last tick [m], (A, 2)."""
         self.place: Float64 = np.zeros((count, 2))
-        """Where the dancer was then [m], (A, 2)."""
+        """Position of the dancer at the last tick [m], (A, 2)."""
         self.turn: Float64 = np.zeros(count)
-        """From where she faces to where her answer does [rad], (A,)."""
-        self._before: Float64 = np.zeros((count, 2))  # where she was to be for it
+        """Angle from the dancer's facing to the answer's [rad], (A,)."""
+        self._before: Float64 = np.zeros((count, 2))  # target position at the last tick
         self._amount: Float64 = np.zeros(count)
         self._waited: Float64 = np.zeros(count)
         self._known: Bool = np.zeros(count, np.bool_)
 
     def begin_tick(self) -> None:
-        """Nobody is moved, taken along or on her way yet."""
+        """Clear the results of the last tick."""
         self.moved[:] = 0.0
         for those in (self.following, self.carried, self.led, self.seeks):
             those[:] = False
 
     def forget(self, row: int) -> None:
-        """Where the answer of a dancer was is known no more: it is another one."""
+        """Forget the answer's last position of a dancer, because the answer is a new one."""
         self._known[row] = False
 
     def go(
         self, pair: Pair, one: Asked, read: ReadLeader, *, wanted: bool, danced: float, measures: float,
         hips: Float32, agents: Float32, dt: float,
     ) -> None:  # fmt: skip
-        """Take the follower of a pair along, as far as her answer is in; it comes in while it is `wanted`.
+        """Move the follower of a pair by the faded answer, which fades in while it is `wanted`.
 
-        Her leader has `danced` so many beats, `measures` have passed since the last tick, `dt` [s] ago; dancers are
-        with their `hips` (A, 2) [m], their agents at `agents` (A, 2) [m].
+        The leader is at the danced beat `danced`; `measures` have passed since the last tick, `dt` [s] ago. Dancers
+        have their `hips` at (A, 2) [m], their agents at `agents` (A, 2) [m].
         """
         row = pair.follower
         seen = answer = answer_at(read, danced)
-        if one.by_path:  # who walks stays with her agent, and does not overstep where that stops
+        if one.by_path:  # a path-led dancer stays near the agent, and does not overstep where it stops
             away = answer - agents[row]
             answer = agents[row] + away * min(1.0, STRAYS / max(float(np.hypot(*away)), 1e-9))
         if not read.answered or (read.held and not self.level[row]):
@@ -118,7 +118,8 @@ class TakenAlong:
         self.answered[row], self._before[row], self.place[row] = seen, answer, place
 
     def _carry(self, pair: Pair, one: Asked, share: float, answer: Float64, hips: Float32, dt: float) -> None:
-        """She goes as her answer goes and as her steps go, as far as each is in; beside that, to where it is."""
+        """Blend the motion of the answer and of the own steps by the fade, and add the pull to the answer's
+        position."""
         row = pair.follower
         own = hips[row] - self.place[row]
         move = share * (answer - self._before[row] - own)
@@ -130,6 +131,6 @@ class TakenAlong:
         self.moved[row] = move
 
     def face(self, row: int, face: Float32, answered: Float32) -> None:
-        """How far her answer, with its hips turned by `answered` (4,), is turned from her own `face` (4,)."""
+        """Update the angle between the dancer's own `face` (4,) and the answer's hip rotation `answered` (4,)."""
         known = self.level[row] > 0.0
         self.turn[row] = turn_between(face, answered, float(self.turn[row]) if known else 0.0)

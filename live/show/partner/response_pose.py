@@ -1,7 +1,4 @@
-"""Answer poses: what answers, in place of the poses of those who answer; their feet that stand are held.
-
-Answer holds: which hands of their leaders those who answer are to hold now.
-"""
+"""Poses of answering dancers: the answer replaces the dancer's pose, with foot lock and hand holds."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -22,21 +19,21 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 WHOLE: Final = 0.98
-"""Where so much of an answer is in, its feet that stand are held."""
+"""Weight of the answer above which its standing feet are locked."""
 
 
 class AnswerPoses:
-    """How those of A dancers look who are taken `along` by what answers `leaders`. Thread: the show's."""
+    """Poses of the answers to `leaders`, placed by the root motion `along`. Thread: the show's."""
 
     def __init__(self, leaders: AnswerLeaders, along: TakenAlong) -> None:
         self._leaders, self._along = leaders, along
         self.standing = Standing(len(along.level))
-        """The feet of those who answer."""
+        """Foot lock of the answering dancers."""
         self._offsets = np.array(SKELETON.offsets, np.float32)
         self._parents = np.array(SKELETON.parents, np.int32)
 
     def tick(self, acting: Sequence[Pair], see: See, dt: float) -> None:
-        """Follow the feet of those of the `acting` pairs who answer wholly, a tick of `dt` [s]."""
+        """Advance foot lock by `dt` [s], for followers of the `acting` pairs whose answer is fully faded in."""
         along = self._along
         whole = [pair for pair in acting if along.share[pair.follower] > WHOLE and along.carried[pair.follower]]
         if not whole and not self.standing.lock.farthest:
@@ -49,15 +46,15 @@ class AnswerPoses:
         self.standing.tick(rows, see(rows)[0], contact, dt)
 
     def stand(self, position: Float32, rotation: Float32, age: float) -> None:
-        """Hold the feet of those who answer in poses (A, J, 3) and (A, J, 4), world, `age` [s] after the last tick."""
+        """Apply foot lock in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last tick."""
         self.standing.hold(np.flatnonzero(self._along.share > 0.0).astype(np.int32), position, rotation, age)
 
     def show(
         self, acting: Sequence[Pair], danced: Float64, position: Float32, rotation: Float32, rows: Int32 | None
     ) -> None:
-        """Change poses at `position` (A, J, 3) and `rotation` (A, J, 4), world, of followers of the `acting` pairs to
-        what answers, everybody having `danced` (A,) beats; or those of the dancers `rows` (n,) alone, (n, J, 3) and
-        (n, J, 4)."""
+        """Blend the answers of the `acting` pairs into world poses `position` (A, J, 3) and `rotation` (A, J, 4),
+        with dancers at the danced beats `danced` (A,); with `rows` (n,) only of these dancers, (n, J, 3) and (n, J,
+        4)."""
         along = self._along
         shown = [pair for pair in acting if along.share[pair.follower] > 0.0]
         where = None if rows is None else {int(row): n for n, row in enumerate(rows)}
@@ -84,9 +81,9 @@ def holds_of(
     leaders: AnswerLeaders,
     share: npt.NDArray[np.float64],
 ) -> list[Held]:
-    """What is to be held in the `pairs` that are shown, of whose answers so much is in, `share` (A,).
+    """Return the hands to hold in the shown `pairs`, whose answers have weight `share` (A,).
 
-    Who dances at her own place, or along a way, stands elsewhere than the examples' follower: she holds nobody.
+    A dancer at an own place, or led by a path, stands elsewhere than the examples' follower and holds no hands.
     """
     return [
         Held(pair.leader, pair.follower, hands_of(leaders.of(pair).partner), asked[pair.partner].hands)

@@ -63,7 +63,7 @@ class Drafting:
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
         draft.take_share[0, needed] = self._refined(row, axes, support)[needed]
-        # arms follow one clip, the nearer one, so that they are not blurred; or the other by the share drawn for variety
+        # arms follow one clip, the nearer one, so that they are not blurred; or the other by the share that was drawn
         drawn = draft.take_share[1, needed]
         draft.take_share[1, needed] = np.where(draft.take_share[0, needed] > 0.5, 1.0 - drawn, drawn)
 

@@ -1,9 +1,4 @@
-"""What calls of a patch name is there: scenes, views, looks, signals, gates, facings, and places of the score.
-
-What scenes and cues of a patch name is there: looked at before anything plays.
-
-Whether the trackers that performers of a patch stand at are there, each for one performer.
-"""
+"""Checks that every name in scenes, cues, calls and trackers of a patch exists, before a show runs."""
 
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
@@ -24,7 +19,7 @@ from live.show.patch.section_stage import GateSection, ProjectorSection
 
 
 class Recalled(Written, Protocol):
-    """What is looked at of a patch."""
+    """The part of a patch that these checks read."""
 
     @property
     def reserve(self) -> int: ...
@@ -53,22 +48,22 @@ class Recalled(Written, Protocol):
 CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
 """Controls whose first value is a cue."""
 FASTEST: Final = 0.999
-"""Cues that come back to themselves within so many beats are a mistake; slower ones may be meant."""
+"""Cue loops within so many beats are an error; slower ones may be intended."""
 START: Final = "start"
-"""The view, look and scene that every patch has: what it begins with."""
+"""Name of the view, look and scene that every patch begins with."""
 EVERY_SHOW: Final = ("front", "side", "top", "around")
-"""Views that every show has, unless the patch calls others so."""
+"""Views that every show has, unless the patch gives these names to its own."""
 PROJECTOR: Final = "projector"
 """The view of a patch with a `[projector]`."""
 
 
 def standing_views(patch: Recalled) -> list[str]:
-    """The views that a patch has without a `[[view]]`."""
+    """Return the views that exist without a `[[view]]`."""
     return [START, *EVERY_SHOW, *([PROJECTOR] if patch.projector is not None else [])]
 
 
 def check_cues(patch: Recalled) -> None:
-    """Amiss for a scene or cue of the patch that names what is not there, and for a scene recalled by the score."""
+    """Raise Amiss for an unknown name in a scene or cue, and for an unknown scene in the score."""
     _check_start(patch)
     _check_scenes(patch)
     scenes = {_folded(scene.name) for scene in patch.scene} | {START}
@@ -96,18 +91,18 @@ def check_cues(patch: Recalled) -> None:
 
 
 def _check_start(patch: Recalled) -> None:
-    """What a patch begins with has its name already."""
+    """Raise Amiss if a view, look or scene has the reserved name of the initial one."""
     named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
     for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
         for index, name in enumerate(names):
             if _folded(name) == START:
                 what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
-                words = f"{name!r} is what the patch begins with, as {what} say: give this one another name"
+                words = f"{name!r} names the start of the patch, from {what}: give this one another name"
                 raise Amiss(words, kind, index, "name")
 
 
 def _check_loops(patch: Recalled) -> None:
-    """No cue calls itself, nor comes back to itself within a beat; slower loops of several cues are a way to write."""
+    """Raise Amiss if a cue calls itself or loops within a beat; slower loops of several cues are allowed."""
     for loop in cue_loops(patch, within=FASTEST):
         name = patch.cue[loop.cue].name
         if loop.itself:
@@ -124,7 +119,7 @@ def _check_loops(patch: Recalled) -> None:
 
 
 def _check_named_cues(patch: Recalled) -> None:
-    """No number stands for two cues, and all cues that are called are there."""
+    """Raise Amiss if two cues share a number, or if a called cue does not exist."""
     numbers: dict[float, str] = {}
     for index, cue in enumerate(patch.cue):
         if cue.number is not None and cue.number in numbers:
@@ -171,14 +166,14 @@ NAMING: Final = (
     "/dance/scene", "/dance/camera", "/dance/look", "/dance/signal", "/dance/section", "/dance/advance",
     "/dance/practice", "/dance/enter", "/dance/leave", "/dance/facing", "/dance/ripple",
 )  # fmt: skip
-"""Controls whose names only the patch knows."""
+"""Controls with names that only the patch defines."""
 GATES: Final = ("left", "right", "back")
-"""The gates of a stage that names none."""
+"""Gates of a stage without a `[[gate]]`."""
 WHENS: Final = ("measure", "section")
 
 
 def check_named(patch: Recalled) -> None:
-    """Amiss for a call of the score or of a cue that names what is not there."""
+    """Raise Amiss for an unknown name in a call of the score or of a cue."""
     named: _Named | None = None
     seen: set[tuple[object, ...]] = set()
     for call, values, place in calls_of(patch):
@@ -193,7 +188,7 @@ def check_named(patch: Recalled) -> None:
 
 
 class _Named:
-    """What is there, by kind."""
+    """The names that a patch defines, by kind, and the check of an event's names against them."""
 
     def __init__(self, patch: Recalled) -> None:
         self._patch = patch
@@ -205,7 +200,7 @@ class _Named:
         self._gates = [gate.name for gate in patch.gate] or list(GATES)
 
     def check(self, event: object) -> None:
-        """PersonError if the event names what is not there."""
+        """Raise PersonError if the event uses an unknown name."""
         act = _CHECKS.get(type(event))
         if act is not None:
             act(self, event)
@@ -253,7 +248,7 @@ class _Named:
 
 
 def _there(what: str, name: str, known: Sequence[str]) -> None:
-    """PersonError if nothing of the kind `what` is called so."""
+    """Raise PersonError if nothing of the kind `what` has this name."""
     if _folded(name) not in map(_folded, known):
         raise PersonError(f"no {what} is called {name!r}", f"there are: {', '.join(known) or 'none'}")
 
@@ -274,7 +269,7 @@ _CHECKS: Final[dict[type, Callable[..., None]]] = {
 
 
 def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
-    """Amiss for a tracker that `[psn]` does not name, if it names any, and for one that two performers have."""
+    """Raise Amiss for a tracker that is missing in `[psn] trackers`, if given, or that two performers share."""
     whose = {each.name: each.name for each in performers if each.tracker is None}
     for index, each in enumerate(performers):
         if each.tracker is None:
@@ -286,5 +281,5 @@ def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
             raise Amiss(words, *place)
         other = whose.setdefault(each.tracker, each.name)
         if other != each.name:
-            words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each her own"
+            words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each their own"
             raise Amiss(words, *place)

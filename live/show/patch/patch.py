@@ -1,6 +1,6 @@
-"""Patch: what a choreographer writes for a show, as one frozen value; the TOML keys are the field names.
+"""Model of a patch, the description of a whole show; the TOML keys are the field names.
 
-Metres, seconds, beats, bpm, degrees; measures count from 1. `patch_file` reads it and explains what is wrong.
+Units are metres, seconds, beats, bpm and degrees; measures count from 1. `patch_reader` reads it and explains errors.
 """
 
 from typing import Annotated, Any
@@ -53,13 +53,13 @@ class Patch(Section):
     """A whole show."""
 
     name: Name
-    """What the show is called."""
+    """Name of the show."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
-    """Seed of all chance; the same seed and events give the same show."""
+    """Seed of all random choices; the same seed and events give the same show."""
     steps: str = "steps"
     """Folder of sketched steps, looked up in the patch's folder, then in the project's patches."""
     loop_measures: Annotated[int, Field(ge=1, le=100000)] | None = None
-    """The score's elements come again after so many measures; never if left out."""
+    """The score's elements repeat after so many measures; left out: never."""
     reserve: Annotated[int, Field(ge=0, le=1000)] = 4
     """Dancers who wait in the wings, for `/dance/enter`."""
     selections: dict[Name, Annotated[str, Field(min_length=1, max_length=400)]] = Field(default={})
@@ -107,15 +107,15 @@ class Patch(Section):
     signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
 
     def written(self) -> dict[str, Any]:
-        """What was written, as values for JSON: read again they make the same patch.
+        """Return the keys that were written, as values for JSON; parsed again they give the same patch.
 
-        What was left out is left out: it means something in a `[group.motion]`, and in cues.
+        Keys left out stay left out, because that has a meaning in `[group.motion]` and in cues.
         """
         return self.model_dump(mode="json", exclude_unset=True)
 
     @property
     def dancer_count(self) -> int:
-        """Dancers of all groups together."""
+        """Number of dancers of all groups together."""
         return sum(group.dancers for group in self.group)
 
     def motion_of(self, group: GroupSection) -> MotionSection:
@@ -128,7 +128,7 @@ class Patch(Section):
         )
 
     @model_validator(mode="after")
-    def _names_differ(self) -> "Patch":  # first of all: what is looked up by name is looked up below
+    def _names_differ(self) -> "Patch":  # must come first: the validators below look things up by name
         formations = [str(table["name"]) for table in self.formation]
         things = {"group": [group.name for group in self.group], "formation": formations}
         things |= {"view": [view.name for view in self.view], "looks": [look.name for look in self.looks]}
@@ -181,13 +181,13 @@ class Patch(Section):
             if self.loop_measures is not None and element.measure >= self.loop_measures + 1:
                 raise Amiss(
                     f"element {number} begins in measure {element.measure:g}, but the score begins again after "
-                    f"{self.loop_measures} (loop_measures): it would never come",
+                    f"{self.loop_measures} (loop_measures): it would never begin",
                     *("element", number - 1, "measure"),
                 )
         return self
 
     def leader_of(self, group: GroupSection) -> GroupSection:
-        """The group whose steps a group dances: itself, or the one that it is like."""
+        """Return the group whose steps a group dances: the one given by `like`, or itself."""
         return next((other for other in self.group if other.name == group.like), group)
 
     @model_validator(mode="after")

@@ -1,8 +1,6 @@
-"""Reading a patch: from a TOML file, or a folder with show.toml, to a frozen Patch, with errors that name the line.
+"""Reader for patches: from a TOML file, or a folder with show.toml, to a frozen Patch.
 
-TomlSources: tables merged from several TOML files, and for every key of the whole the file and line it stands on.
-
-Reading a TOML file into a model of its sections, with errors that name file, line, field and what is allowed.
+Tables of several files are merged. Errors name file, line, field and the allowed values.
 """
 
 import contextlib
@@ -29,7 +27,7 @@ from live.show.patch.section_base import Amiss
 
 @dataclass(eq=False)
 class TomlText:
-    """One file that has been read: its name in messages, its text and what that says."""
+    """One file that was read: its name in messages, its text and its values."""
 
     file: str
     text: str
@@ -37,16 +35,16 @@ class TomlText:
 
     @cached_property
     def lines(self) -> dict[KeyPath, int]:
-        """Line of every key; found out when somebody asks, which is when something is wrong."""
+        """Line of every key; computed only when an error needs it."""
         return toml_lines(self.text)
 
     def line(self, path: KeyPath) -> int:
-        """Line of a key of this file, or of the nearest table around it."""
+        """Return the line of a key of this file, or of the nearest table around it."""
         return line_of(self.lines, path)
 
 
 def parse_text(text: str, file: str, what: str) -> TomlText:
-    """What a text says; PersonError with file and line if it is not TOML. `what` it is in words, as in "patch"."""
+    """Parse a text; PersonError with file and line if it is not TOML. `what` names its kind, as in "patch"."""
     try:
         return TomlText(file, text, toml_values(text))
     except tomllib.TOMLDecodeError as error:
@@ -60,14 +58,14 @@ def parse_text(text: str, file: str, what: str) -> TomlText:
 
 @dataclass(eq=False)
 class TomlSources:
-    """Several texts as one: tables of one kind follow each other, keys of one table come together.
+    """Several texts merged: arrays of tables are concatenated, keys of one table united.
 
-    The first text is the main one: what stands nowhere is looked for there.
+    The first text is the main one: a key found nowhere is reported there.
     """
 
     texts: Sequence[TomlText]
     data: dict[str, Any] = field(default_factory=dict)
-    """All of them together."""
+    """The merged values."""
     _rows: dict[str, list[tuple[TomlText, int]]] = field(default_factory=dict)
     _keys: dict[KeyPath, TomlText] = field(default_factory=dict)
 
@@ -77,7 +75,7 @@ class TomlSources:
                 self._take((key,), value, self.data, text)
 
     def _take(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
-        """One key of one text into the whole; PersonError if it stands in another one already."""
+        """Merge one key of one text; PersonError if another text has it already."""
         key = str(path[-1])
         if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
             self._keys.setdefault(path, text)
@@ -91,7 +89,7 @@ class TomlSources:
         elif key in into:
             there = self._keys[path]
             raise PersonError(
-                f"{text.file}, line {text.line(path)}: {'.'.join(map(str, path))}: stands already in {there.file}, "
+                f"{text.file}, line {text.line(path)}: {'.'.join(map(str, path))}: already given in {there.file}, "
                 f"line {there.line(path)}",
                 "leave one of them out",
             )
@@ -100,7 +98,7 @@ class TomlSources:
             self._keys[path] = text
 
     def where(self, path: KeyPath) -> tuple[str, int]:
-        """File and line of a key of the whole, ("element", 57, "measure"); of the nearest table around it."""
+        """Return file and line of a merged key, as ("element", 57, "measure"), or of the nearest table around it."""
         if len(path) > 1 and isinstance(path[1], int):
             rows = self._rows.get(str(path[0]), [])
             if path[1] < len(rows):
@@ -113,7 +111,7 @@ class TomlSources:
         return self.texts[0].file, self.texts[0].line(path)
 
     def told(self, path: KeyPath) -> str:
-        """Where that is, in words."""
+        """Return the same in words."""
         file, line = self.where(path)
         return f"{file}, line {line}"
 
@@ -125,22 +123,22 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_text(path: Path, what: str) -> str:
-    """The text of a file; `what` it is in words, as in "patch". PersonError if it cannot be read."""
+    """Return the text of a file; PersonError if it cannot be read. `what` names its kind, as in "patch"."""
     try:
         data = read_plain(path, MAX_BYTES)
         if len(data) > MAX_BYTES:
             raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
-        return data.decode("utf-8-sig")  # some editors begin a file with a mark of its encoding
+        return data.decode("utf-8-sig")  # some editors write a byte order mark
     except OSError as error:
         raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
     except ValueError as error:
         if not isinstance(error, UnicodeDecodeError):  # a zero byte in the name
-            raise PersonError(f"cannot read the {what} {path}: no file can be called so") from None
+            raise PersonError(f"cannot read the {what} {path}: no file can have this name") from None
         raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
 
 
 def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
-    """What is written in `text`; `file` is named in errors. PersonError says what is wrong, and where."""
+    """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
     return model_of(TomlSources([parse_text(text, file, what)]), model, what)
 
 
@@ -150,9 +148,9 @@ def model_of(
     what: str,
     check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
 ) -> Model:
-    """What is written in all `sources` together; PersonError says what is wrong, and where.
+    """Return the model of all `sources` together; PersonError with file, line and problem.
 
-    `check` makes the model of the values, as `model_validate` does.
+    `check` builds the model from the values, in place of `model_validate`.
     """
     try:
         return model.model_validate(sources.data) if check is None else check(model, sources.data)
@@ -174,12 +172,12 @@ def _explain(error: ValidationError, sources: TomlSources, model: type[BaseModel
 
 
 def field_words(where: tuple[str | int, ...]) -> str:
-    """A key as people are told of it: "element.3.measure", tables counted from 1."""
+    """Return a key as messages show it: "element.3.measure", with tables counted from 1."""
     return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
 
 
 def _words(problem: Any, model: type[BaseModel]) -> str:
-    """One problem in words: what was read, what is allowed."""
+    """One problem in words: the value read, and what is allowed."""
     kind, message, read = problem["type"], problem["msg"], problem["input"]
     if kind == "extra_forbidden":
         return f"unknown key; {_known_keys(problem['loc'], model)}"
@@ -206,11 +204,11 @@ def _words(problem: Any, model: type[BaseModel]) -> str:
 
 
 _KINDS: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
-"""Of what kind a value is, in words."""
+"""Names of TOML's compound types."""
 
 
 def _unquoted(read: str) -> str:
-    """What to do about a number or switch that stands in quotes."""
+    """Remedy for a number or boolean in quotes."""
     value = read.strip().casefold()
     if value in ("true", "false"):
         return f"; write {value} without quotes"
@@ -219,7 +217,7 @@ def _unquoted(read: str) -> str:
 
 
 def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
-    """The keys allowed where an unknown one stands, with the nearest spelling first if one is near."""
+    """The allowed keys in place of an unknown one, with the nearest spelling first if one is near."""
     model: Any = of
     for part in where[:-1]:
         if isinstance(part, int):
@@ -236,29 +234,29 @@ def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
 
 
 FOLDERS: Final = ("formations", "looks", "score")
-"""Folders beside show.toml whose TOML files belong to the patch, in the order in which they are read."""
+"""Folders next to show.toml with further TOML files of the patch, in reading order."""
 OWN_PASSES: Final = "passes"
-"""The folder beside a patch with its own passes: NAME.glsl."""
+"""The folder next to a patch with its custom passes: NAME.glsl."""
 MOST_FILES: Final = 256
 MOST_BYTES: Final = 16_000_000
 
 
 def find_beside(name: str, patch_path: Path) -> Path | None:
-    """A file or folder that a patch names: in the patch's folder first, then in the project's patches."""
+    """Find a file or folder that a patch names: in the patch's folder first, then in the project's patches."""
     for folder in (patch_path.parent, PATCHES):
-        with contextlib.suppress(OSError, ValueError):  # a name that no file can have
+        with contextlib.suppress(OSError, ValueError):  # invalid file name
             if (folder / name).exists():
                 return folder / name
     return None
 
 
 def read_patch(path: Path) -> Patch:
-    """The patch in `path`; PatchError says what is wrong, where, and what is allowed."""
+    """Read the patch in `path`; PatchError with file, line, field and what is allowed."""
     return read_sources(path)[0]
 
 
 def read_sources(path: Path) -> tuple[Patch, TomlSources]:
-    """The patch in `path` with, for a folder's show.toml, all that belongs to it; and where each key of it stands."""
+    """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         _add_own_passes(sources.data, path)
@@ -268,7 +266,7 @@ def read_sources(path: Path) -> tuple[Patch, TomlSources]:
 
 
 def own_pass_files(path: Path) -> list[Path]:
-    """The files of own passes beside the patch in `path`."""
+    """Return the custom pass files next to the patch in `path`."""
     try:
         return sorted((path.parent / OWN_PASSES).glob("*.glsl"))[:MOST_FILES]
     except OSError:
@@ -276,7 +274,7 @@ def own_pass_files(path: Path) -> list[Path]:
 
 
 def _add_own_passes(data: dict[str, Any], path: Path) -> None:
-    """Put the texts of own passes that a patch names into it; a file that is not there is told of with the name."""
+    """Insert the sources of the custom passes that a patch names; a missing file is reported later, with the name."""
     table = data.get("picture")
     named = table.get("passes") if isinstance(table, dict) else None
     if not isinstance(table, dict) or not isinstance(named, list) or "own" in table:
@@ -293,16 +291,15 @@ def _add_own_passes(data: dict[str, Any], path: Path) -> None:
 
 
 def patch_files(path: Path) -> list[Path]:
-    """The files of a patch, the main one first: show.toml, then what was learned, then those of its FOLDERS in the
-    order of their names.
+    """Return the files of a patch: the main one, learned MIDI, then for show.toml those of FOLDERS, sorted by name.
 
-    PatchError if they are too many or too large: nothing is read then.
+    PatchError, before anything is read, if they are too many or too large.
     """
     files = [path, learned_path(path)] if is_file(learned_path(path)) else [path]
     if path.name != MAIN_FILE:
         return files
     for folder in FOLDERS:
-        with contextlib.suppress(OSError):  # it has just gone
+        with contextlib.suppress(OSError):  # it may have been removed meanwhile
             more = sorted(file for file in (path.parent / folder).glob("*.toml") if not file.name.startswith("."))
             files += [file for file in more if is_file(file)]
     if len(files) > MOST_FILES:
@@ -317,7 +314,7 @@ def patch_files(path: Path) -> list[Path]:
 
 
 def parse_patch(text: str, file: str) -> Patch:
-    """The patch written in `text`; `file` is named in errors."""
+    """Parse the patch in `text`; `file` is its name in errors."""
     try:
         return parse_model(text, file, Patch, "patch")
     except PersonError as error:

@@ -1,8 +1,7 @@
-"""The schema of patches for editors: JSON Schema, made of the very models that read them.
+"""JSON Schema of patches for editors, generated from the models that read them.
 
-Draft 7 with definitions, as taplo ("Even Better TOML") reads it: with it an editor completes keys, shows what each is
-for, and underlines what is not allowed while it is typed. A file of a show's folder names its schema in a line of its
-own: `#:schema ../patch.schema.json`.
+It is draft 7 with definitions, for taplo ("Even Better TOML"): the editor completes keys, explains them and marks
+invalid values. A file names its schema in a line: `#:schema ../patch.schema.json`.
 """
 
 import ast
@@ -20,15 +19,15 @@ DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 
 
 def patch_schema() -> dict[str, Any]:
-    """The schema of a whole patch, or (nothing is needed in a part) of each file of its folder."""
+    """Return the schema of a whole patch or of a file of its folder; so no key is required."""
     found = _plain(Patch.model_json_schema())
     found["properties"]["formation"]["items"] = _formation()
-    found.pop("required", None)  # show.toml has them, the files beside it have not
+    found.pop("required", None)  # only show.toml has them
     return {"$schema": DRAFT, **found, "title": "A patch of ChoreoGraphics Live"}
 
 
 def _formation() -> dict[str, Any]:
-    """The keys of a `[[formation]]`, which its own reader checks."""
+    """Schema of a `[[formation]]`, which has a reader of its own."""
     spec: dict[str, Any] = _plain(TypeAdapter(FormationSpec).json_schema())
     properties = {}
     for name, told in _docs(FormationSpec).items():
@@ -38,7 +37,7 @@ def _formation() -> dict[str, Any]:
 
 
 def _docs(cls: type) -> dict[str, str]:
-    """What stands below each field of a dataclass."""
+    """The attribute docstring of each field of a dataclass."""
     body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0]
     assert isinstance(body, ast.ClassDef)
     found = {}
@@ -49,7 +48,7 @@ def _docs(cls: type) -> dict[str, str]:
 
 
 def _plain(schema: Any) -> Any:
-    """As draft 7 says it, and without null, which TOML does not have."""
+    """Convert to draft 7, and remove null, which TOML does not have."""
     if isinstance(schema, list):
         return [_plain(item) for item in schema]
     if not isinstance(schema, dict):
@@ -69,7 +68,7 @@ def _plain(schema: Any) -> Any:
         if len(some) == 1:
             del found["anyOf"]
             found = {**some[0], **found} if "$ref" not in some[0] else {**found, "allOf": some}
-    elif "$ref" in found and len(found) > 1:  # beside a $ref draft 7 reads nothing else
+    elif "$ref" in found and len(found) > 1:  # draft 7 ignores keys next to a $ref
         found["allOf"] = [{"$ref": found.pop("$ref")}]
     if isinstance(found.get("title"), str) and "properties" not in found:
         del found["title"]  # "Beats Per Measure" says no more than the key itself

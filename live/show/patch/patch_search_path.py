@@ -1,4 +1,4 @@
-"""Where patches lie: beside each other, a folder with show.toml, or the project's own. Light to import."""
+"""Search path for patches: a TOML file, a folder with show.toml, or the project's own. Cheap to import."""
 
 import os
 from pathlib import Path
@@ -14,26 +14,26 @@ PATCHES: Final = next(
     (folder for folder in (_PACKAGE.parent / "patches", _PACKAGE / "patches") if folder.is_dir()),
     Path("patches"),
 )
-"""The project's own patches: beside the package in a checkout, inside it when installed."""
+"""The project's own patches: next to the package in a checkout, inside it when installed."""
 
 MAIN_FILE: Final = "show.toml"
 LEARNED: Final = ".midi"
-"""What the name of the file ends in that has what MIDI controllers were taught: NAME.midi.toml beside NAME.toml."""
+"""Suffix of the file of learned MIDI mappings: NAME.midi.toml next to NAME.toml."""
 
 DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
 
 
 class PatchError(PersonError):
-    """A patch that cannot be used: for each problem file, line, field, what was read and what is allowed."""
+    """A patch that cannot be used: for each problem file, line, field, the value and what is allowed."""
 
 
 def user_settings() -> Path:
-    """The user's own folder of settings; `LIVE_CONFIG_DIR` overrides where it lies."""
+    """Return the user's settings folder; `LIVE_CONFIG_DIR` overrides it."""
     return Path(os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live"))
 
 
 def find_patch(name: str | None) -> Path:
-    """The file of a patch named on the command line: a path, a folder with show.toml, or one of the project's own."""
+    """Return the file of a patch given as a path, a folder with show.toml, or the name of one of the project's own."""
     if name is None:
         return DEFAULT_PATCH
     given = Path(name)
@@ -52,7 +52,7 @@ def find_patch(name: str | None) -> Path:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have (too long, a zero byte) is none."""
+    """Whether the file exists; False for an invalid name (too long, a zero byte)."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -60,5 +60,5 @@ def is_file(path: Path) -> bool:
 
 
 def learned_path(path: Path) -> Path:
-    """Where what MIDI controllers were taught is kept, beside the patch in `path`."""
+    """Return the file of learned MIDI mappings next to the patch in `path`."""
     return path.with_name(f"{path.stem}{LEARNED}.toml")

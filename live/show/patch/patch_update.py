@@ -1,6 +1,7 @@
-"""Edit: what an edited patch changes of a running show, and what of it has to wait for the next start.
+"""Update of a running show from an edited patch.
 
-Reloading: an edited patch, prepared by another thread or here, waits until a running show can take it.
+An edited patch is compared with the running one, since some keys take effect only at the next start. It is validated,
+here or in another thread, and waits until the show can switch to it.
 """
 
 import hashlib
@@ -28,7 +29,7 @@ AT_THE_START: Final = (
     "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage", "background", "item",
     "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
-"""Keys that count when a show starts, and not again."""
+"""Keys that are read only when a show starts."""
 GROUP_AT_THE_START: Final = (
     "dancers", "soloists", "radius", "partners", "arm_length", "hands", "formation", "centre", "size"
 )  # fmt: skip
@@ -36,9 +37,9 @@ GROUP_AT_THE_START: Final = (
 
 
 def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
-    """The patch `new` as far as it can act in a show of the patch `running`, and the keys that wait for a new start.
+    """Return the patch `new` as far as a show of the patch `running` can apply it, and the keys that need a new start.
 
-    Those keep the values they run with. Groups that come or go wait all together: `group`.
+    Those keep their running values. If the number of groups changes, all groups wait: `group`.
     """
     waits: list[str] = []
     changes: dict[str, Any] = {}
@@ -53,7 +54,7 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
         elif old != edited:
             waits += _keys(name, old, edited)
             changes[name] = old
-    if "picture.passes" in waits:  # the texts belong to the names
+    if "picture.passes" in waits:  # the sources belong to the names
         changes["picture"] = changes["picture"].model_copy(update={"own": running.picture.own})
     if len(new.gate) != len(running.gate):
         waits.append("gate")
@@ -76,47 +77,47 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
 
 
 def _examples(patch: Patch) -> list[tuple[object, ...]]:
-    """What each partner answers from: read when a show starts."""
+    """The settings of each partner's examples, which are read when a show starts."""
     keys = "name", "examples", "steps", "stretch", "unit_beats", "by_path", "near"
     return [tuple(getattr(one, key) for key in keys) for one in patch.partner]
 
 
 def _keys(name: str, old: Any, new: Any) -> list[str]:
-    """The keys of a section that differ, by their names in the patch."""
+    """Names in the patch of the keys of a section that differ."""
     if not isinstance(old, Section):
         return [name]
     return [f"{name}.{key}" for key in type(old).model_fields if getattr(old, key) != getattr(new, key)]
 
 
 def changed(old: Patch, new: Patch) -> tuple[str, ...]:
-    """Names of the fields of a patch that differ."""
+    """Return the names of the fields of a patch that differ."""
     return tuple(name for name in Patch.model_fields if getattr(old, name) != getattr(new, name))
 
 
 def version_of(text: str) -> str:
-    """A short name for a patch written as JSON."""
+    """Return a short hash of a patch written as JSON."""
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
 KEPT = 4
-"""Prepared patches that are kept for an event to name them."""
+"""Number of prepared patches kept until an event names them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prepared:
-    """A patch that was proved: a show of it starts."""
+    """A validated patch: a show of it starts."""
 
     version: str
     fresh: Any
-    """That show, at its first moment."""
+    """That show, in its initial state."""
     different: tuple[str, ...]
-    """What is different in the patch."""
+    """Names of the fields that differ from the running patch."""
 
 
 def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
-    """The graph of the same library for a show of `new`: another one if `[locomotion]` joins steps otherwise.
+    """Return the graph of the same library for a show of `new`, rebuilt if `[locomotion]` changes transitions.
 
-    Nodes keep their indices. ValueError if nothing connects any more.
+    Nodes keep their indices. ValueError if no steps connect any more.
     """
     keys = ("transition_beats", "threshold_m", "weights", "emphasis")
     if all(getattr(running.locomotion, key) == getattr(new.locomotion, key) for key in keys):
@@ -130,13 +131,13 @@ def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
 
 
 Start = Callable[[Patch, MotionGraph], Any]
-"""Makes a fresh show of a patch in a graph."""
+"""Builds a new show from a patch and a graph."""
 
 
 def prepare(text: str, start: Start, running: Patch, graph: MotionGraph) -> Prepared:
-    """Prove a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
+    """Validate a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
 
-    PersonError if it would not start, or cannot take the place of the other one. Takes a while: not in a live frame.
+    PersonError if it would not start, or cannot replace the running one. Slow: do not call it in a live frame.
     """
     try:
         patch = validated(Patch, _values(text))
@@ -151,7 +152,7 @@ def prepare(text: str, start: Start, running: Patch, graph: MotionGraph) -> Prep
 
 
 def _values(text: str) -> dict[str, Any]:
-    """A patch written as JSON; ValueError for anything else."""
+    """Parse a patch written as JSON; ValueError for anything else."""
     try:
         found = json.loads(text)
     except RecursionError:
@@ -162,31 +163,31 @@ def _values(text: str) -> dict[str, Any]:
 
 
 class Reloading:
-    """Between the event that says a patch was edited and the moment when the show takes it."""
+    """State of a patch reload, from the event that reports the edit until the show applies it."""
 
     def __init__(self, refusals: Refusals) -> None:
         self._refusals = refusals
         self._offered: dict[str, Prepared] = {}
         self.waiting: Prepared | None = None
-        """What the show takes as soon as it can."""
+        """The patch that the show applies as soon as it can."""
         self._tried: int | None = None
         self.version = ""
-        """The patch in force; empty: the one that the show began with."""
+        """Version of the patch in force; empty for the one that the show began with."""
         self.taken = 0
-        """How often a patch was taken."""
+        """Number of patches applied."""
         self.last: tuple[str, ...] = ()
-        """What was different in the last one."""
+        """Fields that the last one changed."""
         self.spent: list[Patch] = []
-        """Patches that were taken out of force, for another thread to free."""
+        """Replaced patches, for another thread to free."""
 
     def offer(self, prepared: Prepared) -> None:
-        """Hold a patch ready for the event that names its version. Thread: any."""
+        """Keep a patch for the event that names its version. Thread: any."""
         self._offered[prepared.version] = prepared
         for version in list(self._offered)[:-KEPT]:
             self._offered.pop(version, None)
 
     def ask(self, event: PatchChanged, start: Start, running: Patch, graph: MotionGraph) -> None:
-        """A patch shall be taken: the one that was prepared, or else it is prepared here, as in a replay."""
+        """Handle the request to apply a patch; if it was not prepared, as in a replay, prepare it here."""
         prepared = self._offered.pop(event.version, None)
         if prepared is None:
             try:
@@ -197,17 +198,19 @@ class Reloading:
         self.waiting, self._tried = prepared, None
 
     def drop(self) -> None:
-        """The edit that waits is given up: its file has to be saved again."""
+        """Discard the waiting edit; its file has to be saved again."""
         self.waiting = None
 
     def due(self, measure: int) -> bool:
-        """Whether a patch waits that was not tried yet in this `measure`; once in each."""
+        """Return whether a patch waits that was not yet tried in this `measure`; True at most once in each."""
         tried, self._tried = self._tried == measure, measure
         return self.waiting is not None and not tried
 
     def take(self, running: Patch, nodes: Int32) -> Any:
-        """The fresh show whose patch is to be taken now; None if there is none, or if dancers in `nodes` (A,) would
-        have no way on in its graph: then it waits."""
+        """Return the new show whose patch is to be applied now, or None if there is none.
+
+        It waits, too, while dancers in `nodes` (A,) would have no next step in its graph.
+        """
         prepared = self.waiting
         if prepared is None:
             return None

@@ -1,4 +1,4 @@
-"""What of a written score cannot be: told before it plays, with the keys that lead there (T015)."""
+"""Checks of a written score before it runs, with errors that name the keys (T015)."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, Protocol
@@ -13,7 +13,7 @@ from live.show.score.section_span import stay_of
 
 
 class Written(Protocol):
-    """What is looked at of a patch."""
+    """The part of a patch that these checks read."""
 
     @property
     def loop_measures(self) -> int | None: ...
@@ -40,15 +40,15 @@ class Written(Protocol):
 
 
 UNIT: Final = "unit:"
-"""With this the names of what partners dance begin, in `[[react]]`."""
+"""Prefix in `[[react]]` for the names of partner units."""
 PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
 """Tables whose entries have a measure, and may have a section."""
 OLDER: Final = ("segment", "regroup")
-"""Of these it was never asked that they come before `loop_measures` are over."""
+"""Tables for which a measure after `loop_measures` was always allowed."""
 
 
 def check_score(patch: Written) -> None:
-    """Raise Amiss for the first thing that cannot be."""
+    """Raise Amiss for the first error."""
     lengths = _section_lengths(patch)
     for kind in PLACED:
         for index, entry in enumerate(getattr(patch, kind)):
@@ -62,7 +62,7 @@ def check_score(patch: Written) -> None:
 
 
 def written_length(patch: Written) -> int | None:
-    """Measures of the whole written score; None if it has no end."""
+    """Return the number of measures of the whole written score; None if it has no end."""
     return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures
 
 
@@ -94,14 +94,14 @@ def _check_place(patch: Written, lengths: dict[str, int], kind: str, index: int,
         length = written_length(patch)
         if length is None or int(entry.measure) <= length or (kind in OLDER and not patch.section):
             return
-        words = f"measure {entry.measure:g}: the score has {length} measures, it would never come"
+        words = f"measure {entry.measure:g}: the score has {length} measures, it would never begin"
         raise Amiss(words, kind, index, "measure")
     length = lengths.get(entry.section.casefold())
     if length is None:
         known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
         raise Amiss(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
     if int(entry.measure) > length:
-        words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never come"
+        words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never begin"
         raise Amiss(words, kind, index, "measure")
 
 
@@ -134,7 +134,7 @@ def _check_groups(patch: Written) -> None:
 
 
 def _check_improvised(patch: Written) -> None:
-    """Two improvisations of one group do not overlap, and none goes on after its section."""
+    """Raise Amiss if two improvisations of one group overlap, or if one lasts longer than its section."""
     taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
         stay = stay_of(patch, entry.section, entry.measure, entry.measures)
@@ -163,7 +163,7 @@ def _check_signals(patch: Written) -> None:
         name = reaction.on.casefold()
         if name.startswith(UNIT) and name != UNIT:
             if not patch.partner:
-                raise Amiss(f"{reaction.on!r}: nobody answers a leader: write [[partner]]", "react", index, "on")
+                raise Amiss(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
             continue
         if name not in known:
             words = (
@@ -179,13 +179,13 @@ def _check_signals(patch: Written) -> None:
 
 
 def signals_of(patch: Written) -> set[str]:
-    """All signals that somebody may give, by their folded names."""
+    """Return all signals that can occur, by their folded names."""
     known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
     return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
 
 
 def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
-    """The signals that one gives, by way of others too, itself included."""
+    """The signals that one triggers, directly or through others, itself included."""
     found, more = {name}, [name]
     while more:
         new = calls.get(more.pop(), set()) - found
@@ -195,7 +195,7 @@ def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
 
 
 def _check_calls(patch: Written, sections: set[str]) -> None:
-    """No call goes to a section that is not there."""
+    """Raise Amiss for a call that jumps to an unknown section."""
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
             known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
@@ -203,11 +203,11 @@ def _check_calls(patch: Written, sections: set[str]) -> None:
 
 
 Called = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
-"""A call: address, values, and the keys that lead to these."""
+"""A call: address, values, and the keys that lead to the values."""
 
 
 def calls_of(patch: Written) -> Iterator[Called]:
-    """Every call that a patch's score and cues make: address, values, and the keys that lead to these."""
+    """Yield every call of a patch's score and cues."""
     for index, at in enumerate(patch.at):
         if at.call is not None:
             yield at.call, at.values, ("at", index, "values")

@@ -1,4 +1,4 @@
-"""Claims: who is told two things at once by a score, and calls of steps that are not there; told before it plays."""
+"""Detection of score entries that claim a dancer twice at a time, and of calls with unknown names, before it runs."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
@@ -24,7 +24,7 @@ SEQUENCES_OF: Final = ("/dance/sequence",)
 
 
 class Claims:
-    """Who is meant by the words of a score, as bits: a bit for each dancer, 0 where that depends on places."""
+    """Resolves the dancer selections of a score to bit sets, a bit for each dancer; 0 if they depend on positions."""
 
     def __init__(self, patch: Patch, casting: Casting) -> None:
         self._casting = casting
@@ -34,7 +34,7 @@ class Claims:
         self._somewhere = np.zeros((len(casting.group), 2))
 
     def bits(self, words: str) -> int:
-        """The dancers that `words` mean wherever they stand. PersonError for words that mean nobody there is."""
+        """Return the dancers that `words` select at any position; PersonError if they select none."""
         folded = words.casefold().strip()
         if folded not in self._known:
             self._known[folded] = self._meant(words, folded)
@@ -42,7 +42,7 @@ class Claims:
 
     def _meant(self, words: str, folded: str) -> int:
         who = self._casting.select(words, self._somewhere)
-        if self._moves:  # dancers change their groups: of other words than these nobody knows whom they mean when
+        if self._moves:  # dancers change groups, so that other selections depend on the time
             return (1 << len(self._groups)) - 1 if folded in EVERYONE else self._groups.get(folded, 0)
         if self._casting.means_places(words):
             return 0
@@ -50,7 +50,7 @@ class Claims:
 
 
 def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Claims) -> None:
-    """PersonError for two segments that have the same dancers at the same time: words that mean places are left out."""
+    """Raise PersonError for two segments that claim a dancer at the same time; selections by position are skipped."""
     running: dict[int, list[tuple[int, int, int, int]]] = {}
     for index, segment in enumerate(segments):
         place = score.place_of(segment.section, segment.measure)
@@ -67,7 +67,7 @@ def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Cla
             if clash is not None:
                 mine, other = segments[row[2]], segments[clash[2]]
                 of = "" if mine.section is None else f" of section {mine.section!r}"
-                until = clash[1] - row[0] + mine.measure - 1  # as the measures of this one are counted
+                until = clash[1] - row[0] + mine.measure - 1  # counted in the measures of this segment
                 where = "" if mine.section == other.section else f" ({written_at(other.section, other.measure)})"
                 raise PersonError(
                     f"segment {row[2] + 1} begins in measure {mine.measure}{of} with dancers whom segment "
@@ -81,12 +81,12 @@ def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Cla
 
 
 def written_at(section: str | None, measure: float) -> str:
-    """Where an entry is, as it is written."""
+    """Return the place of an entry, in words."""
     return f"measure {measure:g}" + (" of the whole score" if section is None else f" of section {section!r}")
 
 
 def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Casting) -> None:
-    """PersonError for a dancer whom two groups claim at one measure."""
+    """Raise PersonError if two groups claim a dancer in the same measure."""
     claimed: dict[tuple[int, int], list[tuple[np.ndarray, str]]] = {}
     somewhere = np.zeros((len(casting.group), 2))
     for index, section in enumerate(regroups):
@@ -107,13 +107,13 @@ def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Ca
 
 
 def check_calls(patch: Patch, graph: MotionGraph) -> None:
-    """PersonError for a step that the score, the music, a cue or a key of MIDI calls and that is not there."""
+    """Raise PersonError for an unknown step in a call of the score, the music, a cue or a MIDI mapping."""
     for called in steps_called(patch):
         refuse_unknown(graph, called)
 
 
 def refuse_unknown(graph: MotionGraph, called: Called) -> None:
-    """PersonError if a call of `steps_called` names a step that is not there, or connects to no other."""
+    """Raise PersonError if a call of `steps_called` names a step that is unknown, or connects to no other."""
     call, values, place = called
     with named(f"call {call}", place):
         if call in SEQUENCES_OF:
@@ -126,7 +126,7 @@ def refuse_unknown(graph: MotionGraph, called: Called) -> None:
 
 
 def steps_called(patch: Patch) -> Iterator[Called]:
-    """The calls of a patch that name steps: see `calls_of`."""
+    """Yield the calls of a patch that name steps; see `calls_of`."""
     for called in calls_of(patch):
         if called[0] in (*STEPS_OF, *SEQUENCES_OF):
             yield called
@@ -137,9 +137,9 @@ def steps_called(patch: Patch) -> Iterator[Called]:
 
 
 def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) -> None:
-    """PersonError for a call of the score or of a cue that names a group or a formation which is not there.
+    """Raise PersonError for an unknown group or formation in a call of the score or of a cue.
 
-    `find` takes a formation's name or words. Formations that a call of the patch itself defines are there.
+    `find` resolves a formation's name or words. Formations that a call of the patch defines are known.
     """
     texts = [row for row in calls_of(patch) if any(isinstance(value, str) for value in row[1])]  # names are texts
     made = [(REGISTRY.call(call, values, 0.0, "patch"), call, place) for call, values, place in texts]

@@ -1,4 +1,4 @@
-"""Section: the base of all tables of a patch, and the kinds of values that several of them have."""
+"""Base class of all tables of a patch, and value types that several of them share."""
 
 from typing import Annotated
 
@@ -19,10 +19,10 @@ Size = tuple[
 
 
 class Amiss(ValueError):
-    """What is wrong below the table that is being checked, with the keys that lead there, so that its line is named."""
+    """An error below the table that is being validated, with the keys that lead to its line."""
 
     def __init__(self, message: str, *place: str | int) -> None:
-        """`place` as in ("element", 2, "measure"): the third element's measure, from the checked table on."""
+        """`place` is relative to the validated table: ("element", 2, "measure") is the third element's measure."""
         super().__init__(message)
         self.place = place
 

@@ -1,7 +1,4 @@
-"""Cues: `[[cue]]`, what is to happen together when somebody says GO.
-
-What can be recalled by name while a show runs: `[[view]]`, `[[looks]]` and `[[scene]]`.
-"""
+"""Patch sections for cues and for what they recall: `[[cue]]`, `[[view]]`, `[[looks]]` and `[[scene]]`."""
 
 import math
 from typing import Annotated, Final, Literal
@@ -52,25 +49,25 @@ LOOK_ADDRESSES: Final = {
 
 
 class ViewSection(CameraSection):
-    """`[[view]]`: another camera, for `/dance/camera` and scenes."""
+    """`[[view]]`: a further camera, for `/dance/camera` and scenes."""
 
     name: Name
-    """What it is called."""
+    """Its name."""
 
 
 class NamedLookSection(LookSection):
-    """`[[looks]]`: another light, for `/dance/look` and scenes; what is left out stays as it is."""
+    """`[[looks]]`: a further light setting, for `/dance/look` and scenes; keys left out keep their values."""
 
     name: Name
-    """What it is called."""
+    """Its name."""
     measures: Measures = 1.0
-    """Measures in which the light changes, if nothing else is asked for."""
+    """Length of the cross-fade in measures, unless the call gives one."""
     draw: Draw = Field(default={})
     """How dancers are drawn, as in `[group.draw]`, for all groups or with a group's name behind the key:
     `{ ink = 1, "solid ember" = 0 }`."""
 
     def settings(self) -> dict[str, Setting]:
-        """The parameters that it sets, by address."""
+        """Return the parameters that it sets, by address."""
         said = {address: getattr(self, key) for key, address in LOOK_ADDRESSES.items()}
         return {address: value for address, value in said.items() if value is not None} | drawn(self.draw)
 
@@ -84,12 +81,12 @@ class SceneSection(Section):
     """`[[scene]]`: values of any parameters, recalled together with a cross-fade by `/dance/scene` or a cue."""
 
     name: Name
-    """What it is called."""
+    """Its name."""
     measures: Measures = 2.0
-    """Measures of the cross-fade, if nothing else is asked for; 0: at once."""
+    """Length of the cross-fade in measures, unless the call gives one; 0: at once."""
     set: Annotated[dict[str, Setting], Field(max_length=400)] = Field(default={})
-    """Values by the control's address, as in `"/dance/light/level" = 0.2`; of one group with its name behind, as in
-    `"/dance/motion/larger ember" = 0.3`; `"/dance/camera" = "a view"` and `"/dance/look" = "a look"`."""
+    """Values by the control's address, as in `"/dance/light/level" = 0.2`; for one group with its name after the
+    address, as in `"/dance/motion/larger ember" = 0.3`; `"/dance/camera" = "a view"` and `"/dance/look" = "a look"`."""
 
     @model_validator(mode="after")
     def _can_be_set(self) -> "SceneSection":
@@ -112,28 +109,28 @@ Call = Annotated[tuple[Value, ...], Field(min_length=1, max_length=17)]
 
 
 class CueSection(Section):
-    """`[[cue]]`: a scene, a jump in the score and any calls, given together by GO (`/dance/go`, Enter)."""
+    """`[[cue]]`: a scene, a jump in the score and any calls, triggered together by GO (`/dance/go`, Enter)."""
 
     name: Name
-    """Every cue needs its own."""
+    """Its name, unique among cues."""
     number: Annotated[float, Field(ge=0, le=100000, allow_inf_nan=False)] | None = None
-    """A number by which it can be called, too, as in 12.5."""
+    """A number by which it can be called, too, such as 12.5."""
     text: Annotated[str, Field(max_length=200)] = ""
-    """What the stage manager should know about it; shown while it stands by."""
+    """Note for the stage manager, shown while the cue stands by."""
     when: Literal["now", "beat", "measure", "section"] = "measure"
     """When it happens after GO: at once, at the next beat, measure line, or when a section of the score begins."""
     count_in: Annotated[float, Field(ge=0, le=64, allow_inf_nan=False)] = 0.0
-    """So many beats pass after GO at least, and are counted."""
+    """At least so many beats pass after GO, with a displayed count."""
     scene: Name | None = None
     """The scene that is recalled ..."""
     measures: Measures | None = None
     """... with a cross-fade of so many measures; left out: as the scene says."""
     section: Name | None = None
-    """The section of the score that begins, at the measure line at which the cue happens or the next one."""
+    """The section of the score to jump to, at the measure line at which the cue happens or the next one."""
     calls: Annotated[tuple[Call, ...], Field(max_length=64)] = ()
     """Controls that are called, in order, by address and values: `[["/dance/step", "jump"], ["/dance/spread", 2]]`."""
     then: Literal["go", "auto"] = "go"
-    """The next cue waits for GO, or comes by itself ..."""
+    """The next cue waits for GO, or follows automatically ..."""
     after: Annotated[int, Field(ge=1, le=10000)] | None = None
     """... so many measures later; left out: one."""
 
@@ -150,7 +147,7 @@ class CueSection(Section):
         return self
 
     def events(self, time: float, source: str) -> list[ControlEvent]:
-        """What its scene and calls make, in order."""
+        """Return the events of its scene and calls, in order."""
         made: list[object] = []
         if self.scene is not None:
             fade = () if self.measures is None else (self.measures,)

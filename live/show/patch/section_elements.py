@@ -1,4 +1,4 @@
-"""Elements of the score: `[[element]]` (T132)."""
+"""Patch section for the elements of the score: `[[element]]` (T132)."""
 
 from typing import Annotated, Literal
 
@@ -11,11 +11,11 @@ Line = Annotated[tuple[Place, ...], Field(min_length=2, max_length=1000)]
 
 
 class ElementSection(Section):
-    """`[[element]]`: what moves dancers without saying where each shall be, in measures from 1 (T105-T110, T132)."""
+    """`[[element]]`: a force that moves dancers without fixed target positions; measures from 1 (T105-T110, T132)."""
 
     kind: Literal["attract", "repel", "spread", "cross", "flow", "wander", "flock", "follow", "pursue", "evade", "path"]
-    """Gather, leave, spread over the stage, change sides over a bar, be carried, wander, go as a flock, go after a
-    leader, run after or away from somebody, follow a drawn path."""
+    """In this order: gather, leave, spread over the stage, change sides over a bar, flow with a field, wander, flock,
+    follow a leader, pursue a dancer, evade a dancer, follow a drawn path."""
     measure: Annotated[float, Field(ge=1, le=100000)]
     """The measure at which it begins."""
     section: Name | None = None
@@ -23,23 +23,23 @@ class ElementSection(Section):
     measures: Annotated[float, Field(gt=0, le=10000)] = 4.0
     """How many measures it lasts; it fades in and out over a beat."""
     group: Words = "*"
-    """For whom: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`."""
+    """The dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`."""
     at: Place = (0.0, 0.0)
     """Where it is (x, z) [m]."""
     to: Place | None = None
     """The other end of a line, bar or uniform flow (x, z) [m]."""
     points: Line | None = None
-    """A drawn line in place of `at` and `to`: points (x, z) [m]."""
+    """A drawn line instead of `at` and `to`: points (x, z) [m]."""
     closed: bool = False
     """The drawn line is closed: a region, or a round path."""
     radius: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.0
-    """Makes a region around the place, or a broad line [m]; of a path half its width."""
+    """Radius of a region around the point, or of a broad line; for a path half its width [m]."""
     strength: Annotated[float, Field(ge=-10, le=10)] = 1.0
-    """1 is as fast as the steps can travel; below 0 a flow goes the other way."""
+    """1 is as fast as the steps can travel; below 0 a flow is reversed."""
     flow: Literal["uniform", "radial", "vortex", "drawn"] = "uniform"
-    """How a flow goes: from `at` to `to`, outwards from `at`, around it, along the drawn line."""
+    """Shape of a flow: from `at` to `to`, outwards from `at`, around it, along the drawn line."""
     whom: Annotated[str, Field(max_length=64)] = ""
-    """Who is followed, pursued or evaded: a dancer's number from 1, or a group."""
+    """Target of follow, pursue and evade: a dancer's number from 1, or a group."""
 
     @model_validator(mode="after")
     def _forwards(self) -> "ElementSection":

@@ -1,17 +1,4 @@
-"""OSC of a patch.
-
-MIDI of a patch.
-
-What the lamps of the hall are told, over sACN or Art-Net.
-
-Ableton Link of a patch.
-
-Trackers of a patch.
-
-The audience of a patch.
-
-Captured performers of a patch.
-"""
+"""Patch sections for input and output: OSC, MIDI, DMX (sACN, Art-Net), Ableton Link, trackers, audience, mocap."""
 
 from typing import Annotated, Literal, Self
 
@@ -28,14 +15,14 @@ Targets = Annotated[tuple[Target, ...], Field(max_length=8)]
 
 
 class OscSection(Section):
-    """`[osc]`: whom the show tells over OSC what happens in it: beat, measure, tempo, steps, feet, places."""
+    """`[osc]`: OSC output of the show's beat, measure, tempo, steps, feet and positions."""
 
     out: Targets = ()
-    """Addresses like `127.0.0.1:57120`; `--osc-out` or the venue name others instead."""
+    """Destinations such as `127.0.0.1:57120`; `--osc-out` or the venue overrides them."""
     positions_per_second: Annotated[float, Field(ge=0, le=60, allow_inf_nan=False)] = 10.0
-    """How often the dancers' places are told; 0 for never."""
+    """How often the dancers' positions are sent; 0: never."""
     feet: bool = True
-    """Whether each foot is told that comes down, to make sounds of."""
+    """Whether a message is sent for each foot that lands, for making sounds."""
 
 
 PortName = Annotated[str, Field(min_length=1, max_length=200)]
@@ -57,31 +44,31 @@ class MidiMapSection(Section):
     pressure: Literal[True] | None = None
     """Or the pressure of the channel (aftertouch)."""
     nrpn: Annotated[int, Field(ge=0, le=16383)] | None = None
-    """Or a parameter without a registered number."""
+    """Or a non-registered parameter number."""
     channel: Annotated[int, Field(ge=1, le=16)] | None = None
     """1 to 16; all if left out."""
     control: Annotated[str, Field(min_length=1, max_length=100)]
     """The address of a control, as in docs/osc.md."""
     values: dict[str, float | bool | str] = Field(default={})
-    """Values of the control that are always the same, by their names."""
+    """Constant values of the control, by their names."""
     scale: tuple[Bound, Bound] | None = None
-    """What a controller's 0 and 127 set; the whole range of the control if left out."""
+    """Values that a controller's 0 and 127 set; left out: the whole range of the control."""
     curve: Annotated[float, Field(ge=0.1, le=10)] = 1.0
-    """The place, 0 to 1, to this power is the share of the scale: 2 is finer at the low end."""
+    """Exponent of the controller's position, 0 to 1: 2 is finer at the low end."""
     fine: bool = False
-    """Whether the controller, below 32, is one of a pair of 14 bits with the one 32 higher."""
+    """Whether the controller, below 32, forms a 14-bit pair with the one 32 higher."""
     velocity: bool = False
-    """Whether the note sets a number by how hard it is struck."""
+    """Whether the note's velocity sets the value."""
     mode: Mode | None = None
-    """How a switch is worked; toggle for notes and program changes, momentary for controllers if left out."""
+    """Behaviour of a switch; left out: toggle for notes and program changes, momentary for controllers."""
     pickup: bool | None = None
-    """Whether nothing happens until the place crosses the present value; only for controllers if left out."""
+    """Whether nothing changes until the controller crosses the present value; left out: only for controllers."""
     lit: tuple[Number, Number] = (0, 127)
-    """What a pad is told (`[midi] output`) when its switch is off and on: velocities, often colours."""
+    """Velocities sent to a pad (`[midi] output`) when its switch is off and on; often colours."""
 
     @property
     def binding(self) -> Binding:
-        """The line as the map takes it; BadBinding, a ValueError, for one that cannot work."""
+        """The mapping as a `Binding`; BadBinding, a ValueError, if it cannot work."""
         kinds: tuple[Kind, ...] = ("note", "cc", "program", "bend", "pressure", "nrpn")
         given = [(kind, number) for kind in kinds if (number := getattr(self, kind)) is not None]
         if len(given) != 1:
@@ -109,50 +96,50 @@ class MidiMapSection(Section):
 
 
 class MidiSection(Section):
-    """`[midi]`: ports that are listened to, and what pedals and keys do."""
+    """`[midi]`: input and output ports, and what pedals and keys do."""
 
     input: PortName | None = None
-    """A port by its name or a part of it: clock, time code, and what `[[midi.map]]` says."""
+    """Input port, by its name or a part of it: clock, time code, and messages for `[[midi.map]]`."""
     output: PortName | None = None
-    """A port that is told present values: the lights of pads, motor faders."""
+    """Port for feedback of present values: pad lights, motor faders."""
     clock_out: PortName | None = None
-    """A port that the show's beat is sent to as MIDI clock."""
+    """Port to which the show's beat is sent as MIDI clock."""
     defaults: bool = True
-    """Whether pedals and the keys of channel 16 work the clock where there is no `[[midi.map]]`."""
+    """Whether pedals and the keys of channel 16 control the clock if there is no `[[midi.map]]`."""
     time_code_bpm: Annotated[float, Field(ge=20, le=400)] | None = None
-    """MIDI time code has no beats: this tempo is counted along it; `[clock] bpm` if left out."""
+    """Tempo for MIDI time code, which has no beats; left out: `[clock] bpm`."""
     time_code_offset_s: Annotated[float, Field(ge=-360000, le=360000, allow_inf_nan=False)] = 0.0
     """The time code at which the first measure begins [s]."""
     map: Annotated[tuple[MidiMapSection, ...], Field(max_length=1000)] = ()
-    """What notes, controllers and program changes do, in place of the defaults."""
+    """What notes, controllers and program changes do, instead of the defaults."""
     learned: Annotated[tuple[MidiMapSection, ...], Field(max_length=1000)] = ()
-    """What was learned by moving something; the show writes it into NAME.midi.toml beside the patch."""
+    """Mappings learned from controller moves; the show writes them to NAME.midi.toml next to the patch."""
 
     @property
     def bindings(self) -> tuple[Binding, ...]:
-        """The map in force: what was learned, and of the rest what is not played by the same."""
+        """The map in force: learned mappings, and written ones for other MIDI messages."""
         return joined(self.written, [section.binding for section in self.learned])
 
     @property
     def written(self) -> tuple[Binding, ...]:
-        """The map that a person wrote, or the defaults."""
+        """The written map, or the defaults."""
         if self.map:
             return tuple(section.binding for section in self.map)
         return DEFAULTS if self.defaults else ()
 
 
 class DmxSection(Section):
-    """`[[dmx]]`: what one channel of the hall's lamps follows, or several in a row."""
+    """`[[dmx]]`: the source of one DMX channel of the hall's lamps, or of several in a row."""
 
     channel: Annotated[int, Field(ge=1, le=512)]
-    """The first of its channels, from 1."""
+    """Its first channel, from 1."""
     sends: Annotated[str, Field(min_length=1, max_length=200)]
     """beat, measure, steps, feet (flashes), tempo [bpm], dancer (x, then z, each coarse and fine), or the address of a
-    value, as /dance/light/key/colour: a channel for each of its numbers, over its whole range."""
+    value, such as /dance/light/key/colour: a channel for each of its numbers, over its whole range."""
     dancer: Annotated[int, Field(ge=1, le=4000)] = 1
-    """For `dancer`: which one, from 1."""
+    """For `dancer`: the dancer's number, from 1."""
     beats: Annotated[float, Field(gt=0, le=64)] = 1.0
-    """After how many beats a flash is gone."""
+    """Length of a flash in beats."""
     fine: bool = False
     """Whether each number takes two channels, coarse and fine."""
 
@@ -167,12 +154,12 @@ class DmxSection(Section):
 
     @property
     def made(self) -> Channel:
-        """As the lamps' process knows it."""
+        """The channel in the form of the DMX process."""
         return Channel(self.channel, self.sends, self.dancer, self.beats, self.fine)
 
 
 class LinkSection(Section):
-    """`[link]`: other programs' and people's tempo and beat, over the local network (Ableton Link)."""
+    """`[link]`: tempo and beat shared with other programs over the local network (Ableton Link)."""
 
     mode: Literal["off", "follow", "lead"] = "off"
     """`follow`: the show takes the session's tempo, beat and measure line. `lead`: the session takes the show's."""
@@ -184,20 +171,20 @@ AXES = r"^-?[xyz] -?[xyz]$"
 
 
 class PsnSection(Section):
-    """`[psn]`: trackers that come in by PosiStageNet (`live play PATCH --psn 236.10.10.10:56565`). One with the name,
-    or the number, of a `[[mocap]]` is that performer; see [mocap.md](mocap.md)."""
+    """`[psn]`: trackers received by PosiStageNet (`live play PATCH --psn 236.10.10.10:56565`). A tracker with the name
+    or number of a `[[mocap]]` is that performer; see [mocap.md](mocap.md)."""
 
     axes: Annotated[str, Field(pattern=AXES)] = "x z"
-    """Which of the tracking system's axes go to the right as the audience sees it, and towards the audience: `x z`,
+    """Axes of the tracking system that point to the right as the audience sees it, and towards the audience: `x z`,
     `x -z`, `-y x`."""
     others: bool = True
-    """Whether dancers go around trackers that are nobody of the patch, as around real dancers."""
+    """Whether dancers go around trackers that belong to no performer, as around real dancers."""
     trackers: Annotated[tuple[Name, ...], Field(max_length=128)] = ()
-    """The trackers that there are, by name or number: a `[[mocap]]` whose `tracker` is none of them is refused, so that
-    a slip of the pen is found before the show. Left out: any."""
+    """The existing trackers, by name or number: a `[[mocap]]` with another `tracker` is refused, so that a typing error
+    is found before the show. Left out: any."""
 
     def on_floor(self, place: tuple[float, float, float]) -> tuple[float, float]:
-        """Where on the floor that is, x, z [m]."""
+        """Return the position on the floor, x, z [m]."""
         right, front = (
             (-1.0 if axis.startswith("-") else 1.0) * place["xyz".index(axis[-1])] for axis in self.axes.split()
         )
@@ -205,25 +192,25 @@ class PsnSection(Section):
 
 
 class AudienceSection(Section):
-    """`[audience]`: what phones may do in this show; `live play --audience` lets them in."""
+    """`[audience]`: what phones may do in this show; `live play --audience` starts their server."""
 
     regions: Annotated[tuple[Name, ...], Field(max_length=8)] = ()
-    """Rows or groups of seats, among which people choose their own: `["stalls", "balcony"]`; none if left out."""
+    """Rows or groups of seats, from which people choose theirs: `["stalls", "balcony"]`; left out: none."""
     vote_measures: Annotated[int, Field(ge=1, le=64)] = 4
-    """How many whole measures a vote lasts."""
+    """Length of a vote in measures."""
     gain: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 1.0
-    """How strongly dancers hear the audience at first."""
+    """Initial strength of the audience's influence on dancers."""
     open: bool = True
-    """Whether phones may play from the beginning."""
+    """Whether phones may take part from the beginning."""
     shake: bool = True
     """Whether dancers spread when many phones are shaken."""
     visible: Annotated[int, Field(ge=0, le=24)] = 24
-    """How many voices are seen as lights on the floor at a time."""
+    """Largest number of participants shown as lights on the floor at a time."""
     phones: Annotated[int, Field(ge=1, le=8000)] = 4000
-    """How many phones may play at a time."""
+    """Largest number of phones at a time."""
     phones_per_address: Annotated[int, Field(ge=1, le=8000)] = 4
-    """How many of one network address may play at a time, where each has its own; together they have one voice. Behind
-    one address for all (the venue's `network`) there is no such limit, nor where this is as high as `phones`."""
+    """Largest number of phones from one network address at a time; together they count as one participant. There is no
+    limit if all phones share an address (the venue's `network`), or if this is as high as `phones`."""
 
 
 Words = Annotated[str, Field(min_length=1, max_length=250)]
@@ -231,42 +218,41 @@ Words = Annotated[str, Field(min_length=1, max_length=250)]
 
 class MocapSection(Section):
     """`[[mocap]]`: a real dancer whose whole body is captured live and who dances among the others; see
-    [mocap.md](mocap.md). With `live play PATCH --vmc PORT` and no such table there is one who is called `live`."""
+    [mocap.md](mocap.md). With `live play PATCH --vmc PORT` and no such table there is one performer named `live`."""
 
     name: Name
-    """What she is called, as in `/dance/mocap/NAME/shown`."""
+    """Name of the performer, as in `/dance/mocap/NAME/shown`."""
     dancer: Words | None = None
-    """Which dancer she is: the first of whom these words mean, as `3`, `ember & 1` or a group; `none` for nobody. Left
-    out: the first dancer whom no other performer is."""
+    """The dancer to drive: the first one of a selection such as `3`, `ember & 1` or a group; `none` for no dancer. Left
+    out: the first dancer that no other performer drives."""
     tracker: Annotated[str, Field(min_length=1, max_length=64)] | None = None
-    """The PosiStageNet tracker (its name or number there) that says where she stands, while her suit says how: her suit
-    may drift then. `at`, `turn_deg` and `scale` are the tracking system's. See `[psn] trackers`."""
+    """The PosiStageNet tracker (its name or number there) that gives the position, while the suit gives the pose: the
+    suit may drift then. `at`, `turn_deg` and `scale` are the tracking system's. See `[psn] trackers`."""
     shown: bool = True
-    """Whether she is seen from the beginning."""
+    """Whether the performer is visible from the beginning."""
     mirrored: bool = False
-    """Whether she is seen as in a mirror."""
+    """Whether the motion is mirrored, left for right."""
     at: Place = (0.0, 0.0)
-    """Where the middle of her floor lies on the stage (x, z) [m]."""
+    """Position on the stage of the middle of the capture floor (x, z) [m]."""
     turn_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """How her floor is turned on the stage, towards +x."""
+    """Rotation of the capture floor on the stage, towards +x."""
     scale: Annotated[float, Field(ge=0, le=10)] = 1.0
-    """How long her ways become; feet slide where it is not 1."""
+    """Scale of travelled distances; feet slide if it is not 1."""
     canon: Words = "none"
-    """Who repeats her, as `mist` or `mist & 1-4`."""
+    """Dancers who repeat the motion in canon, such as `mist` or `mist & 1-4`."""
     canon_beats: Annotated[float, Field(ge=0, le=16)] = 2.0
-    """From one who repeats her to the next."""
+    """Delay in beats from one dancer of the canon to the next."""
     obstacle: bool = False
-    """Whether dancers go out of her way as of somebody real; they always do as of another dancer."""
+    """Whether dancers avoid the performer as a real person; they always do as another dancer."""
     attract: Annotated[float, Field(ge=-10, le=10)] = 0.0
-    """How strongly she draws dancers to her; below 0 she drives them away."""
+    """How strongly the performer attracts dancers; below 0 they are repelled."""
     attracts: Words = "*"
-    """Who is drawn or driven away: words as in `mist & 1-4`; `*` is everybody."""
+    """Dancers who are attracted or repelled, as in `mist & 1-4`; `*` is all."""
     delay_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0
-    """How much later she is shown than she was received, so that between two poses that come unevenly there is always
-    a way to go."""
+    """Delay between receiving and showing a pose; it absorbs the jitter of the network."""
     floor: bool = True
-    """Whether her feet are brought down to the floor, wherever the capture has its own."""
+    """Whether the feet are put on the stage floor, wherever the capture has its floor."""
     port: Annotated[int, Field(ge=0, le=65535)] = 0
-    """The port here that she alone sends to; 0: any that is listened to."""
+    """Local port for this performer alone; 0: any open one."""
     sender: Annotated[str, Field(max_length=100)] = ""
-    """The address of the machine that sends her; empty: whoever sends, in the order in which they begin."""
+    """Address of the sending machine; empty: any, assigned in the order in which senders begin."""

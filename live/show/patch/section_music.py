@@ -1,7 +1,4 @@
-"""Music, sound and clock of a patch.
-
-`[[react]]`: what the music that is heard changes in the dance, beat by beat or when something happens in it.
-"""
+"""Patch sections for music: `[music]`, `[sound]`, `[clock]`, and reactions of the dance to it: `[[react]]`."""
 
 from typing import Annotated, Final, Literal
 
@@ -14,23 +11,23 @@ from live.show.patch.section_base import Section
 
 
 class MusicSection(Section):
-    """`[music]`: what is played when no `--audio` is given."""
+    """`[music]`: the music that is played without `--audio`."""
 
     file: str | None = None
     """An audio file, looked up in the patch's folder, then in the project's patches."""
     bpm: Annotated[float, Field(ge=20, le=400)] | None = None
     """Its tempo if it is known: the clock starts with it."""
     one_at_s: Annotated[float, Field(ge=0, le=3600, allow_inf_nan=False)] | None = None
-    """Where its first downbeat is, if that is known."""
+    """Time of its first downbeat, if known."""
 
 
 class SoundSection(Section):
-    """`[sound]`: what a film of `live render` is heard with beside the music (T130)."""
+    """`[sound]`: sounds added to the music of a film of `live render` (T130)."""
 
     click: bool = False
     """A click on every beat, another one on the first of each measure."""
     taps: bool = False
-    """The sound of tap shoes wherever a foot comes down."""
+    """The sound of a tap shoe for each foot that lands."""
 
 
 SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
@@ -39,12 +36,12 @@ Bpm = Annotated[float, Field(ge=20, le=400)]
 
 
 class ClockSection(Section):
-    """`[clock]`: musical time: what it is while nothing is heard, and who is followed."""
+    """`[clock]`: musical time: the internal clock, and the priority of external sources."""
 
     bpm: Bpm = 112.0
     """Tempo of the internal clock."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
-    """Beats of a measure; all steps must have it."""
+    """Beats of a measure; the same for all steps."""
     priority: Annotated[tuple[SourceName, ...], Field(max_length=6)] = (
         "link",
         "midi",
@@ -53,13 +50,13 @@ class ClockSection(Section):
         "tap",
         "internal",
     )
-    """Who is followed first; a source that is left out is never followed unless it is chosen by hand."""
+    """Sources in order of priority; a source left out is followed only if it is selected by hand."""
     tempo_range: tuple[Bpm, Bpm] = (40.0, 240.0)
     """Music outside this range [bpm] is danced at half or double tempo."""
     tracker: Literal["network", "aubio"] = "network"
-    """Who listens to sound: the network that also knows the measure, or aubio's tempo."""
+    """Beat tracker for sound: the neural network, which also finds the measure, or aubio's tempo tracker."""
     follow_metre: bool = False
-    """Whether music may change how many beats a measure has; if not, only a hand does."""
+    """Whether the music may change the number of beats of a measure; otherwise only manual control does."""
 
     @model_validator(mode="after")
     def _range_is_an_octave(self) -> "ClockSection":
@@ -71,7 +68,7 @@ class ClockSection(Section):
     @model_validator(mode="after")
     def _nobody_twice(self) -> "ClockSection":
         if len(set(self.priority)) < len(self.priority):
-            raise ValueError("priority: a source stands there twice")
+            raise ValueError("priority: a source is given twice")
         return self
 
 
@@ -82,33 +79,34 @@ Picture = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
 class ReactSection(Section):
-    """`[[react]]`: either `to` what is heard something is `sets`, or `on` an event something is `call`ed."""
+    """`[[react]]`: a value that follows a feature of the music (`to`, `sets`), or a control that is called on an event
+    (`on`, `call`)."""
 
     to: (
         Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
         | None
     ) = None
-    """What is followed, 0 to 1 in the range heard so far: loudness, onsets, brightness, bass, how far it builds up; of
-    notes over MIDI how hard they are struck, how densely, how many sound, and where on the keys."""
+    """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
+    of MIDI notes their velocity, density, number sounding, and pitch."""
     sets: (
         Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"] | Picture | None
     ) = None
-    """What follows it: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
+    """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
     low: Value = 0.0
-    """Its value when that is 0."""
+    """The value for a feature of 0."""
     high: Value = 1.0
-    """Its value when that is 1; it may be the smaller one."""
+    """The value for a feature of 1; it may be less than `low`."""
     beats: Annotated[float, Field(ge=0, le=64)] = 4.0
     """Beats over which it is smoothed."""
     group: Annotated[str, Field(min_length=1, max_length=64)] = "*"
-    """The group whose motion it is; * is all."""
+    """The group whose motion is changed; * is all."""
     on: Annotated[str, Field(min_length=1, max_length=64)] | None = None
-    """What happens: `drop`, the bass comes back after a build-up or a break; `build`, a build-up begins; or a signal,
-    as a `[[signal]]` names it; or `unit:turn`, a partner dances a unit of that step or recording (`unit:turn/2`: the
+    """The event: `drop`, the bass returns after a build-up or a break; `build`, a build-up begins; a signal, by the
+    name of its `[[signal]]`; or `unit:turn`, a partner dances a unit of that step or recording (`unit:turn/2`: the
     second one)."""
     when: Literal["measure", "beat", "now"] = "measure"
-    """When it is called: at the next measure line, at the next beat, or at once."""
+    """When the control is called: at the next measure line, at the next beat, or at once."""
     call: Annotated[str, Field(min_length=1, max_length=100)] | None = None
     """The control that is called, by its address, as in `/dance/step`."""
     values: Annotated[tuple[str | float | bool, ...], Field(max_length=16)] = ()
@@ -138,5 +136,5 @@ class ReactSection(Section):
                 raise ValueError(f"sets {address!r} to {value:g}: {known.low:g} to {known.high:g} expected")
 
     def event(self, time: float) -> object:
-        """What the call makes: a ControlEvent, for one that was checked."""
+        """Return the event of the call: a ControlEvent, if the call was validated."""
         return REGISTRY.call(self.call or "", self.values, time, "music")

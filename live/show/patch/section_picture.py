@@ -1,11 +1,4 @@
-"""`[picture]`: which passes draw the picture, in which order, and where its parameters begin.
-
-How dancers are drawn, as a patch says it: `[group.draw]` and `draw` of `[[looks]]`.
-
-Users' own characters: `[[character]]`.
-
-What upper bodies are textured with: `[texture]`.
-"""
+"""Patch sections for the picture: `[picture]`, drawing styles (`draw`), `[[character]]` and `[texture]`."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -26,29 +19,29 @@ Number = float | tuple[float, float, float]
 
 
 class OwnPassSection(Section):
-    """`[[picture.own]]`: a pass of the patch's own, as it stands in its folder: nobody need write this."""
+    """`[[picture.own]]`: a custom pass, filled in from the file in the patch's folder; not written by hand."""
 
     name: Annotated[str, Field(max_length=32)]
-    """What it is called: the name of its file."""
+    """The name of its file."""
     source: Annotated[str, Field(max_length=MOST_CHARACTERS)]
-    """Its text in GLSL."""
+    """Its source in GLSL."""
 
 
 class PictureSection(Section):
     """`[picture]`: the passes of the picture."""
 
     passes: Annotated[tuple[Name, ...], Field(max_length=32)] = PASSES
-    """Passes in the order in which they are done; one that is left out is never drawn. What each does is set by
-    `/dance/pass/...`, so one that is named here need not be seen. A name that is none of the engine's is that of a file
-    `passes/NAME.glsl` beside the patch."""
+    """Passes in drawing order; a pass left out is never drawn. `/dance/pass/...` sets the strength of each, so a pass
+    named here may be invisible. Any other name than the engine's is that of a file `passes/NAME.glsl` next to the
+    patch."""
     set: Annotated[dict[str, Number], Field(max_length=200)] = Field(default={})
-    """Where parameters of the picture begin, by the control's address, as in `"/dance/pass/ink" = 1`."""
+    """Initial values of picture parameters, by the control's address, as in `"/dance/pass/ink" = 1`."""
     own: Annotated[tuple[OwnPassSection, ...], Field(max_length=MOST_PASSES)] = ()
-    """The texts of the patch's own passes, taken from their files, so that a journal holds them."""
+    """Sources of the custom passes, taken from their files, so that a journal contains them."""
 
     @cached_property
     def own_passes(self) -> tuple[OwnPass, ...]:
-        """The patch's own passes; PersonError if one is none."""
+        """The custom passes; PersonError if one is invalid."""
         return tuple(read_own_pass(one.name, one.source) for one in self.own)
 
     @model_validator(mode="after")
@@ -84,7 +77,7 @@ class PictureSection(Section):
         return self
 
     def start(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        """Addresses and the numbers with which they begin."""
+        """Return the addresses and initial values of the parameters."""
         return tuple(
             (address, value if isinstance(value, tuple) else (float(value),)) for address, value in self.set.items()
         )
@@ -95,14 +88,14 @@ def _key(address: str) -> str:
 
 
 KEYS: Final = tuple(_key(address) for address in OF_GROUPS if address.startswith(STYLE_OF_GROUP))
-"""All keys."""
+"""All keys of a drawing style."""
 Setting = float | bool | str | tuple[float, float, float]
 Draw = Annotated[dict[str, Setting], Field(max_length=400)]
-"""Values by the control's address without `/dance/draw/`, words joined by `_` or `/`: `ink_width`."""
+"""Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 
 
 def drawn(said: Mapping[str, Setting]) -> dict[str, Setting]:
-    """The same values by the addresses of their controls, a group's name kept behind."""
+    """Return the same values by the addresses of their controls, followed by the group's name if there is one."""
     settings = {}
     for key, value in said.items():
         name, space, group = key.strip().partition(" ")
@@ -111,7 +104,7 @@ def drawn(said: Mapping[str, Setting]) -> dict[str, Setting]:
 
 
 def check_drawn(said: Mapping[str, Setting], where: str) -> None:
-    """ValueError, which begins with `where`, for a key that there is not or a value that it cannot have."""
+    """Raise ValueError, with `where` in front, for an unknown key or an invalid value."""
     for key, value in drawn(said).items():
         address = split(key)[0]
         if address not in OF_GROUPS or not address.startswith(STYLE_OF_GROUP):
@@ -123,32 +116,32 @@ def check_drawn(said: Mapping[str, Setting], where: str) -> None:
 
 
 class CharacterMaterialSection(Section):
-    """`[character.materials.NAME]`: what is changed of a material of the file."""
+    """`[character.materials.NAME]`: changes to a material of the file."""
 
     colour: Colour | None = None
-    """Linear RGB that its image is multiplied by, in place of the file's."""
+    """Linear RGB factor of its texture, instead of the file's."""
     sheen: Share | None = None
-    """How much it shines in the light."""
+    """Strength of its specular reflection."""
     hidden: bool = False
-    """It is left out: a hat, glasses, a cloak."""
+    """Whether it is not drawn, such as a hat, glasses or a cloak."""
 
 
 class CharacterSection(Section):
-    """`[[character]]`: a model that is drawn in the place of dancers' bodies, on the same skeleton."""
+    """`[[character]]`: a model that is drawn instead of dancers' bodies, on the same skeleton."""
 
     name: Name
-    """What it is called."""
+    """Its name."""
     file: Annotated[str, Field(min_length=1, max_length=400)]
     """A .glb, .gltf or .vrm file, in the patch's folder or below it: `characters/anna.vrm`."""
     groups: Annotated[tuple[Name, ...], Field(max_length=16)] = ()
-    """The groups whose dancers are drawn as it; where several characters have a group, by chance."""
+    """The groups whose dancers are drawn with it; if several characters have a group, one is drawn at random."""
     dancers: Annotated[tuple[Annotated[int, Field(ge=1, le=4000)], ...], Field(max_length=4000)] = ()
-    """Single dancers by number. With neither groups nor dancers it is everybody's."""
+    """Single dancers by number. With neither groups nor dancers it applies to all."""
     joints: Annotated[dict[Name, Annotated[str, Field(min_length=1, max_length=200)]], Field(max_length=22)] = Field(
         default={}
     )
-    """Bones of the file where their names do not say what they are: `{ hips = "Bone.003" }`. `live character FILE`
-    tells which were found."""
+    """Bones of the file that are not recognised by name: `{ hips = "Bone.003" }`. `live character FILE` lists those
+    that were found."""
     materials: Annotated[dict[Name, CharacterMaterialSection], Field(max_length=64)] = Field(default={})
     """Changes of materials, by their names in the file."""
 
@@ -175,10 +168,10 @@ Place = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
 class TextureSection(Section):
-    """`[texture]`: recordings whose upper bodies dancers take over, as far as `texture` of `[motion]` says."""
+    """`[texture]`: recordings that give dancers' upper bodies their motion, by the share `texture` of `[motion]`."""
 
     recordings: Annotated[tuple[Place, ...], Field(max_length=64)] = ()
-    """Motion files, or folders of them, looked up in the patch's folder, then in the project's patches. What TOML files
-    there say of their beats is true; else beats are guessed from the feet."""
+    """Motion files, or folders of them, looked up in the patch's folder, then in the project's patches. Beats are those
+    in TOML files there, else they are estimated from the feet."""
     fps: Annotated[float, Field(ge=1, le=10_000)] | None = None
-    """True frame rate of those whose headers lie."""
+    """Frame rate of recordings with a wrong one in the file header."""

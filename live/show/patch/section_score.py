@@ -1,10 +1,7 @@
-"""The score: its sections `[[section]]`, calls at beats `[[at]]`, and signals `[[signal]]` (T015, T016).
+"""Patch sections for the score.
 
-Steps of the score: `[[sequence]]`, what a group dances over some measures (T009).
-
-Improvisation in the score: `[[improvise]]`, its rules and what it may do to the group's motion.
-
-Evolutions of the score: `[[segment]]`, and the formations they refer to: `[[formation]]` (T085-T087, T095-T103).
+`[[section]]`, `[[at]]` and `[[signal]]` (T015, T016), `[[sequence]]` (T009), `[[improvise]]`, `[[regroup]]` (T104),
+`[[segment]]` and `[[formation]]` (T085-T087, T095-T103).
 """
 
 import math
@@ -25,30 +22,30 @@ Value = str | float | bool
 
 
 class ScoreSection(Section):
-    """`[[section]]`: a part of the score, as a verse or a solo; measures of what belongs to it count from its first."""
+    """`[[section]]`: a part of the score, such as a verse or a solo; measures of its entries count from its first."""
 
     name: Name
-    """Every section needs its own."""
+    """Its name, unique among sections."""
     measures: Measure
-    """How many measures it has."""
+    """Number of measures."""
     repeat: Annotated[int, Field(ge=0, le=10000)] = 1
-    """How often it is danced before the score goes on; 0: until somebody says so (`/dance/advance`, a cue)."""
+    """How often it is danced before the score continues; 0: until `/dance/advance` or a cue."""
     wait: bool = False
-    """It comes again until somebody says that the score goes on; as `repeat = 0`."""
+    """It repeats until `/dance/advance` or a cue; the same as `repeat = 0`."""
     then: Name | None = None
-    """The section that comes after it, or `end`; left out: the one below, and the first after the last."""
+    """The next section, or `end`; left out: the one below, and the first after the last."""
 
     @model_validator(mode="after")
     def _one_of_them(self) -> "ScoreSection":
         if self.wait and self.repeat > 1:
             raise ValueError(f"section {self.name!r}: wait and repeat = {self.repeat}: leave one out")
         if self.name.casefold().strip() == "end":
-            raise ValueError("no section can be called 'end': that is what `then` says where a score is over")
+            raise ValueError("no section can be called 'end': in `then` this word ends the score")
         return self
 
 
 class AtSection(Section):
-    """`[[at]]`: at a beat of a measure a control is called, a scene recalled or a signal given."""
+    """`[[at]]`: calls a control, recalls a scene or gives a signal at a beat of a measure."""
 
     measure: Measure
     """The measure, from 1; of its section, if it belongs to one."""
@@ -61,9 +58,9 @@ class AtSection(Section):
     values: Annotated[tuple[Value, ...], Field(max_length=16)] = ()
     """Its values, as by OSC."""
     scene: Name | None = None
-    """Or a scene that is recalled."""
+    """Or the scene that is recalled."""
     signal: Name | None = None
-    """Or a signal that is given."""
+    """Or the signal that is given."""
 
     @model_validator(mode="after")
     def _does_something(self) -> "AtSection":
@@ -79,7 +76,7 @@ class AtSection(Section):
         return self
 
     def event(self, time: float) -> object:
-        """What happens: a ControlEvent, for one that was checked."""
+        """Return its event: a ControlEvent, if the call was validated."""
         if self.signal is not None:
             return Signal(time=time, source="score", name=self.signal)
         if self.scene is not None:
@@ -88,20 +85,20 @@ class AtSection(Section):
 
 
 class SignalSection(Section):
-    """`[[signal]]`: something that happens in the music, by name: in the score, heard, or given by hand."""
+    """`[[signal]]`: a named event in the music, written in the score, detected by ear, or given by hand."""
 
     name: Name
-    """What `[[react]] on` calls it; several may have one name, and `/dance/signal` gives it too."""
+    """Its name in `[[react]] on`; several may share a name, and `/dance/signal` gives it too."""
     measure: Measure | None = None
-    """A measure with which it comes, from 1; of its section, if it belongs to one."""
+    """A measure in which it occurs, from 1; of its section, if it belongs to one."""
     beat: Beat = 1.0
     """The beat of that measure, from 1."""
     section: Name | None = None
     """The section that measure belongs to."""
     on: Literal["drop", "build", "loud", "quiet", "dense", "sparse", "bright", "dark"] | None = None
-    """What is heard when it comes: the bass comes back, a build-up begins, or it becomes louder, softer, denser ..."""
+    """What triggers it in the music: the bass returns, a build-up begins, or it becomes louder, softer, denser ..."""
     level: Annotated[float, Field(ge=0, le=1)] | None = None
-    """From where on that counts, 0 to 1 in the range heard so far; left out: 0.75 of it, 0.25 for what is little."""
+    """Threshold, 0 to 1 in the range heard so far; left out: 0.75, and 0.25 for `quiet`, `sparse` and `dark`."""
 
     @model_validator(mode="after")
     def _said_where(self) -> "SignalSection":
@@ -116,7 +113,7 @@ Step = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 class SequenceSection(Section):
-    """`[[sequence]]`: steps that a group dances over some measures of the score; then its own steps go on."""
+    """`[[sequence]]`: steps that a group dances over some measures of the score, before its own steps resume."""
 
     group: Name = "*"
     """The group; * is all."""
@@ -125,12 +122,12 @@ class SequenceSection(Section):
     section: Name | None = None
     """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     measures: Measure | None = None
-    """How long it is danced, again and again; left out: once. Its steps must end with it."""
+    """For how many measures it is repeated; left out: danced once. Its steps must end exactly then."""
     steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=10000)]
     """Steps in order, as by `/dance/sequence`: "groove x4", "walk left", "*" for anything; with `choose = "random"` the
     set from which they are drawn."""
     choose: Literal["sequence", "random"] = "sequence"
-    """In their order, or drawn by seeded chance, never one three times in a row; every pass of a section draws anew."""
+    """In their order, or drawn at random (seeded), never one three times in a row; drawn again in each repeat."""
 
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
@@ -140,17 +137,17 @@ Heard = Literal[
 
 
 class ImproviseRule(Section):
-    """`[[improvise.rule]]`: while the music is like that, steps count more, or not at all."""
+    """`[[improvise.rule]]`: changes the weights of steps while a feature of the music is within a range."""
 
     of: Heard
-    """What is heard, 0 to 1 in the range heard so far; energy is the mean of loudness and density, of
-    the music or of notes over MIDI; the last four are of such notes, as in `[[react]]`."""
+    """The feature, 0 to 1 in the range heard so far; energy is the mean of loudness and density, of the music or of
+    MIDI notes; the last four are of MIDI notes, as in `[[react]]`."""
     above: Share | None = None
-    """The rule holds from there on ..."""
+    """The rule holds from this value on ..."""
     below: Share | None = None
-    """... or up to there."""
+    """... or up to this value."""
     favours: Annotated[dict[str, Weight], Field(min_length=1, max_length=1000)]
-    """Steps by what their weights are multiplied with: 3 is three times as often, 0 never."""
+    """Factors for the weights of steps: 3 is three times as often, 0 never."""
 
     @model_validator(mode="after")
     def _says_when(self) -> "ImproviseRule":
@@ -160,12 +157,12 @@ class ImproviseRule(Section):
 
 
 class ImproviseMotion(Section):
-    """`[[improvise.motion]]`: something that may be called when a phrase begins, as a formation or an element."""
+    """`[[improvise.motion]]`: a call that may be drawn when a phrase begins, such as a formation or an element."""
 
     weight: Weight = 1.0
-    """How likely it is beside the others."""
+    """Its probability relative to the others."""
     call: Annotated[str, Field(min_length=1, max_length=100)] | None = None
-    """The control that is called, by its address; left out: nothing is, the motion goes on as it is."""
+    """The control that is called, by its address; left out: no call, the motion continues."""
     values: Annotated[tuple[Value, ...], Field(max_length=16)] = ()
     """Its values, as by OSC."""
 
@@ -176,7 +173,7 @@ class ImproviseMotion(Section):
         return self
 
     def event(self, time: float) -> object:
-        """What the call makes: a ControlEvent, for one that was checked."""
+        """Return the event of the call: a ControlEvent, if the call was validated."""
         return REGISTRY.call(self.call or "", self.values, time, "score")
 
 
@@ -184,7 +181,7 @@ class ImproviseSection(Section):
     """`[[improvise]]`: a group chooses its steps itself, by weights, rules and limits, over some measures."""
 
     group: Name = "*"
-    """The group; * is all, each for itself."""
+    """The group; * is all, each separately."""
     section: Name | None = None
     """The section it belongs to; left out: measures of the whole score."""
     measure: Measure = 1
@@ -192,24 +189,24 @@ class ImproviseSection(Section):
     measures: Measure | None = None
     """How many measures it lasts; left out: to the end of its section."""
     steps: dict[str, Weight] = Field(default={})
-    """Steps by how likely they are; left out: the group's own, all alike."""
+    """Weights of steps; left out: the group's own steps with equal weights."""
     at_least: Annotated[int, Field(ge=1, le=64)] = 1
-    """So many times in a row a step that was chosen is danced at least ..."""
+    """Least number of times in a row that a chosen step is danced ..."""
     most: Annotated[int, Field(ge=1, le=1000)] = 2
-    """... and never more often than so many times: 2 is never the same step three times."""
+    """... and the largest number of times."""
     phrase: Annotated[int, Field(ge=1, le=1000)] = 4
-    """Measures of a phrase: with each one motion is drawn, and who calls and who answers change."""
+    """Measures of a phrase: at each phrase motion is drawn, and the roles of call and response change."""
     answers: Name | None = None
-    """Call and response: in every second phrase this group answers what that other one has danced in the phrase before
+    """Call and response: in every second phrase this group answers what the other group danced in the phrase before
     ..."""
     answer: Literal["same", "other"] = "same"
-    """... with the same steps, or with those that the other one did not dance."""
+    """... with the same steps, or with those that the other group did not dance."""
     listening: str | None = None
-    """The step danced while the other one calls; left out: it goes on improvising."""
+    """The step danced while the other group calls; left out: it keeps improvising."""
     motion: Annotated[tuple[ImproviseMotion, ...], Field(max_length=1000)] = ()
-    """What may be called when a phrase begins."""
+    """Calls that may be drawn when a phrase begins."""
     rule: Annotated[tuple[ImproviseRule, ...], Field(max_length=64)] = ()
-    """What the music favours; where several hold, their factors are multiplied."""
+    """Rules that follow the music; if several hold, their factors are multiplied."""
 
     @model_validator(mode="after")
     def _makes_sense(self) -> "ImproviseSection":
@@ -222,7 +219,7 @@ class ImproviseSection(Section):
         if self.answers is not None and self.answers.casefold() == self.group.casefold():
             raise ValueError(f"group {self.group!r} cannot answer itself")
         if self.listening is not None and self.answers is None:
-            raise ValueError("listening needs answers: whom it listens to")
+            raise ValueError("listening needs answers: the group that it listens to")
         return self
 
 
@@ -241,30 +238,30 @@ FormationTable = Annotated[dict[str, Any], AfterValidator(_readable)]
 
 
 def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:
-    """Names of the formations of a patch, in their order."""
+    """Return the names of the formations of a patch, in their order."""
     return [str(table["name"]) for table in tables]
 
 
 def spec_of(table: dict[str, Any]) -> FormationSpec:
-    """The formation that a checked table says."""
+    """Return the formation of a validated table."""
     return spec_from_table(table)
 
 
 class RegroupSection(Section):
-    """`[[regroup]]`: at a measure line dancers leave their groups for another one's steps and colour (T104)."""
+    """`[[regroup]]`: at a measure line dancers change to another group's steps and colour (T104)."""
 
     measure: Annotated[int, Field(ge=1, le=100000)]
-    """The measure with which they begin to dance with the other group, from 1."""
+    """The first measure in which they dance with the other group, from 1."""
     section: Name | None = None
     """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     dancers: Words
-    """Who: groups, attributes, numbers and places as in `ember & left + 12-14`; places mean where they stand then."""
+    """The dancers: groups, attributes, numbers and places as in `ember & left + 12-14`; places count at that time."""
     group: Name
-    """Whose steps they dance from then on."""
+    """The group whose steps they dance from then on."""
 
 
 class SegmentSection(Section):
-    """`[[segment]]`: what a group does over some measures: be or go somewhere, stay, travel along a line."""
+    """`[[segment]]`: how a group moves over some measures: into a formation, along a line, or not at all."""
 
     measure: Annotated[int, Field(ge=1, le=100000)]
     """The measure at whose line it begins, from 1."""
@@ -273,36 +270,36 @@ class SegmentSection(Section):
     measures: Annotated[int, Field(ge=1, le=10000)] = 4
     """Measures until all have arrived, exactly on a measure line."""
     group: Words = "*"
-    """Who: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; places mean where they
-    stand when it begins."""
+    """The dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; places count when
+    it begins."""
     formation: Annotated[str, Field(min_length=1, max_length=250)] | None = None
-    """Where they go: a `[[formation]]`, or words for one (`star:6`, `text:LIVE`, `circle poisson`)."""
+    """Their target: a `[[formation]]`, or words for one (`star:6`, `text:LIVE`, `circle poisson`)."""
     hold: bool = False
-    """They are in the formation all the time; who is not there yet goes there within the first measure."""
+    """They hold the formation all the time; dancers not yet in place go there within the first measure."""
     path: Line | None = None
-    """In place of a formation: a drawn line (x, z) [m] along which they travel and keep their formation."""
+    """Instead of a formation: a drawn line (x, z) [m] along which they travel in their present formation."""
     single_file: bool = False
     """They travel one behind another, on the line itself."""
     match: Literal["squared", "shortest", "equal", "both", "bottleneck", "number"] = "squared"
-    """Who goes where: squared distances (straight ways never meet), shortest sum, equal ways, both (T098-T100), the
-    shortest longest way, or by the dancers' numbers."""
+    """Assignment of dancers to places: least squared distances (straight paths never meet), least sum, equal distances,
+    both (T098-T100), least largest distance, or by the dancers' numbers."""
     way: Literal["mended", "straight", "divided"] = "mended"
-    """What is done where straight ways would meet: starts are shifted or ways bent; nothing; bent by halves (T101)."""
+    """Where straight paths would meet: starts are shifted or paths bent; nothing; paths bent by halves (T101)."""
     facing: Literal["linear", "tangent", "measures", "declared"] | None = None
-    """How they turn on the way: evenly, along it, measure by measure, or as `headings_deg` say (T102, T126);
-    left out: evenly into a formation, along a path."""
+    """How they turn on the path: evenly, along it, measure by measure, or by `headings_deg` (T102, T126); left out:
+    evenly into a formation, along a path."""
     headings_deg: Annotated[tuple[float, ...], Field(max_length=1000)] = ()
-    """A heading for each measure: 0 faces the public, positive towards +x."""
+    """A heading for each measure: 0 faces the audience, positive towards +x."""
     soft: Annotated[float, Field(ge=0, le=0.5)] = 0.25
-    """Share of the time in which they gather speed, and lose it."""
+    """Share of the time for acceleration, and for deceleration."""
     ripple_beats: Annotated[float, Field(ge=0, le=1000)] = 0.0
-    """Beats from the first who starts to the last."""
+    """Beats from the start of the first dancer to that of the last."""
     ripple_from: Literal["left", "right", "front", "back", "centre", "outside", "id", "random"] = "left"
-    """Who starts first."""
+    """Where the first dancer starts."""
     beats_later: Annotated[float, Field(ge=0, le=1000)] = 0.0
-    """It begins and ends so much later than its measures (a canon between groups)."""
+    """Beats by which it begins and ends later than its measures (a canon between groups)."""
     mirror: bool | tuple[Place, Place] = False
-    """Formation or path mirrored left for right, or about the line through two points."""
+    """Formation or path mirrored, left for right or about the line through two points."""
 
     @model_validator(mode="after")
     def _one_thing(self) -> "SegmentSection":

@@ -1,4 +1,4 @@
-"""Stage, camera and light of a patch."""
+"""Patch sections for stage, set, backgrounds, steering, camera, projector and light."""
 
 from typing import Annotated, Literal
 
@@ -22,84 +22,84 @@ class StageSection(Section):
 
 
 class GateSection(Section):
-    """`[[gate]]`: an opening in the stage's edge for dancers who come and go; left, right and back if there is none."""
+    """`[[gate]]`: an entrance in the stage's edge; without any there are left, right and back."""
 
     name: Name
-    """What `/dance/enter` and `/dance/leave` call it."""
+    """Its name for `/dance/enter` and `/dance/leave`."""
     at: Place
-    """Near which place of the edge it is (x, z) [m]."""
+    """A point near its place on the edge (x, z) [m]."""
     width: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 3.0
-    """How wide it is [m]."""
+    """Width [m]."""
 
 
 class ObstacleSection(Section):
-    """`[[obstacle]]`: an item of the set; dancers go around round ones, and slide along walls."""
+    """`[[obstacle]]`: an object that dancers avoid; they go around round ones, and slide along walls."""
 
     name: Name
-    """What `/dance/obstacle` calls it."""
+    """Its name for `/dance/obstacle`."""
     at: Place
-    """Its middle (x, z) [m]; of a wall, where it begins."""
+    """Its centre (x, z) [m]; for a wall one end."""
     radius: Annotated[float, Field(gt=0, le=50, allow_inf_nan=False)] = 0.5
-    """How far it reaches around that [m]; of no meaning for a wall."""
+    """Its radius [m]; without effect for a wall."""
     wall_to: Place | None = None
-    """It is a wall from `at` to here (x, z) [m]."""
+    """Makes it a wall from `at` to this point (x, z) [m]."""
 
 
 class ItemSection(Section):
     """`[[item]]`: an item of the set that is drawn; an `[[obstacle]]` at its place keeps dancers away from it."""
 
     form: Literal["box", "cylinder", "steps"] = "box"
-    """What it is."""
+    """Its shape."""
     at: Place
-    """Its middle (x, z) [m]."""
+    """Its centre (x, z) [m]."""
     size: tuple[Extent, Extent, Extent] = (1.0, 0.5, 1.0)
     """Width, height and depth [m]."""
     turn_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """How far it is turned: 0 faces the audience, positive towards +x."""
+    """Rotation: 0 faces the audience, positive towards +x."""
     lift: Annotated[float, Field(ge=0, le=50)] = 0.0
-    """How high its underside is above the floor [m]."""
+    """Height of its underside above the floor [m]."""
     colour: Colour = (0.10, 0.10, 0.12)
     """Its colour."""
     steps: Annotated[int, Field(ge=1, le=40)] = 4
-    """How many steps `steps` have; they rise away from the audience."""
+    """Number of steps for `steps`; they rise away from the audience."""
 
 
 class BackgroundSection(Section):
-    """`[[background]]`: an image or a video behind the dancers, seen by `/dance/background`."""
+    """`[[background]]`: an image or a video behind the dancers, shown by `/dance/background`."""
 
     name: Name
-    """What `/dance/background` calls it."""
+    """Its name for `/dance/background`."""
     file: Annotated[str, Field(min_length=1, max_length=400)]
     """The file, looked up in the patch's folder, then in the project's patches."""
     fit: Literal["wall", "picture"] = "wall"
     """On the wall behind the stage, or over the whole picture, as for a projection on a gauze."""
     beats: Annotated[float, Field(gt=0, le=4096)] | None = None
-    """A video comes again in so many beats; left out: as fast as it is."""
+    """Beats in which a video loops; left out: at its own speed."""
     width: Annotated[float, Field(gt=0, le=500)] | None = None
-    """How wide it is on the wall [m]; left out: half as wide again as the stage."""
+    """Width on the wall [m]; left out: 1.5 times the stage's."""
     bottom: Annotated[float, Field(ge=-5, le=50)] = 0.0
-    """Its lower edge above the floor [m]."""
+    """Height of its lower edge above the floor [m]."""
     brightness: Annotated[float, Field(ge=0, le=4)] = 0.8
-    """How bright it is."""
+    """Brightness."""
     seen: Share = 0.0
-    """How much of it is seen when the show begins."""
+    """Opacity when the show begins."""
 
 
 class SteeringSection(Section):
-    """`[steering]`: how dancers make way for each other, and how their wishes are combined."""
+    """`[steering]`: collision avoidance, and how the commands of several elements are combined."""
 
     avoidance: Literal["predictive", "thesis"] = "predictive"
-    """By the time to the collision that is coming, or by two distances as in the thesis (T108)."""
+    """By predicted time to collision, or by two distances as in the thesis (T108)."""
     combine: Literal["blended", "switched"] = "blended"
-    """Wishes of several elements are summed, or the more urgent ones take the speed first (T083)."""
+    """Commands of several elements are summed, or the more urgent ones use up the speed first (T083)."""
     acceleration: Annotated[float, Field(gt=0, le=50)] = 6.0
     """Largest acceleration [m/s²]."""
     turn_deg_s: Annotated[float, Field(ge=10, le=3600)] = 290.0
-    """Fastest turn of the way [degrees a second]."""
+    """Largest turn rate of the path [degrees per second]."""
     separation: Annotated[float, Field(ge=0, le=3)] = 1.25
-    """Distance [m] under which dancers whom elements move push each other away."""
+    """Distance [m] below which dancers moved by elements separate."""
     near: Annotated[float, Field(ge=0, le=10)] = 0.8
-    """d_s of the thesis' rule [m]: nearer than this only the other one counts, and the speed is limited."""
+    """d_s of the thesis' rule [m]: nearer than this only the other dancer counts, and the speed is limited."""
     far: Annotated[float, Field(ge=0, le=10)] = 2.0
     """d_f of the thesis' rule [m]: nearer than this all forces are combined."""
 
@@ -111,26 +111,26 @@ class SteeringSection(Section):
 
 
 class CameraSection(Section):
-    """`[camera]`: where the picture is seen from [m], vertical field of view [degrees]."""
+    """`[camera]`: position [m], direction, lens and motion of the camera."""
 
     eye: tuple[Far, Far, Far] = (0.0, 3.4, 11.5)
-    """Where the camera stands: x, y (up), z [m]."""
+    """Position of the camera: x, y (up), z [m]."""
     target: tuple[Far, Far, Far] = (0.0, 0.9, 0.0)
-    """What it looks at [m]."""
+    """The point that it looks at [m]."""
     field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
-    """Vertical angle of view."""
+    """Vertical field of view [degrees]."""
     roll_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """How far it is turned about its axis, clockwise as seen from behind."""
+    """Rotation about its axis, clockwise as seen from behind."""
     shift: tuple[Shift, Shift] = (0.0, 0.0)
-    """Lens shift: how many of its widths to the right and of its heights above the axis the picture lies."""
+    """Lens shift of the picture to the right, in widths, and upwards, in heights."""
     orbit_measures: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
-    """It goes around what it looks at once in so many measures, to its right; below 0 to its left, 0: it stands."""
+    """Measures of one orbit around the target, to the right; below 0 to the left, 0: no orbit."""
     follow: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """Whom it follows: a group, or groups, attributes, numbers and places as in `ember & left + 12`; * is all."""
+    """Dancers that it follows: groups, attributes, numbers and places as in `ember & left + 12`; * is all."""
     along: Share = 0.0
-    """How far it goes along with whom it follows; 0: it only turns, 1: it keeps its distance."""
+    """How far it moves along with the dancers; 0: it only turns, 1: it keeps its distance."""
     plan: Share = 0.0
-    """How much of the plan is drawn: circles with triangles for dancers, and where they came from."""
+    """Opacity of the plan view: circles with triangles for dancers, and their trails."""
 
     @model_validator(mode="after")
     def _look_somewhere(self) -> "CameraSection":
@@ -145,15 +145,15 @@ FloorCorners = Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, ma
 
 
 class ProjectorSection(Section):
-    """`[projector]`: its perspective, from where it stands and where the floor's corners are in its picture."""
+    """`[projector]`: its perspective, given by its position and the floor's corners in its picture."""
 
     at: tuple[Far, Far, Far]
-    """Where the projector's lens is: x, y (up), z [m]."""
+    """Position of the projector's lens: x, y (up), z [m]."""
     corners: FloorCorners
-    """Where the picture has the floor's corners: back left, back right, front right, front left as the audience sees
-    them; each to the right and down, from 0 to 1."""
+    """The floor's corners in the picture: back left, back right, front right, front left as the audience sees them;
+    each to the right and down, from 0 to 1."""
     aspect: Annotated[float, Field(gt=0.1, le=20)] = 16 / 9
-    """Width of that picture by its height."""
+    """Aspect ratio of that picture, width by height."""
 
     @model_validator(mode="after")
     def _a_floor(self) -> "ProjectorSection":
@@ -162,7 +162,7 @@ class ProjectorSection(Section):
 
 
 def refuse_no_floor(corners: FloorCorners) -> None:
-    """Amiss, at `corners`, for corners that no floor has in a picture."""
+    """Raise Amiss, at `corners`, if no perspective of a floor has these corners."""
     try:
         check_corners(corners)
     except PersonError as error:
@@ -170,34 +170,34 @@ def refuse_no_floor(corners: FloorCorners) -> None:
 
 
 class LookSection(Section):
-    """`[look]`: light and colour (linear RGB from 0 to 1); what is left out keeps its default."""
+    """`[look]`: light and colour (linear RGB from 0 to 1); keys left out keep their defaults."""
 
     background: Colour | None = None
     """Colour of the dark behind the stage."""
     floor: Colour | None = None
     """Colour of the floor."""
     key_light: Colour | None = None
-    """Colour of the light from the front, which casts the shadows."""
+    """Colour of the key light from the front, which casts the shadows."""
     key: Annotated[float, Field(ge=0, le=4)] | None = None
     """Strength of the light from the front; 1 is usual."""
     key_direction: tuple[Far, Far, Far] | None = None
-    """Where it goes: x, y (up), z."""
+    """Direction of the key light: x, y (up), z."""
     rim_light: Colour | None = None
     """Colour of the light from behind."""
     rim: Annotated[float, Field(ge=0, le=4)] | None = None
     """Strength of the light from behind; 1 is usual."""
     ambient: Share | None = None
-    """Strength of the light from everywhere."""
+    """Strength of the ambient light."""
     ambient_colour: Colour | None = None
-    """Tint of the light from everywhere."""
+    """Tint of the ambient light."""
     level: Annotated[float, Field(ge=0, le=2)] | None = None
-    """All light together; 1 is usual."""
+    """Level of all light; 1 is usual."""
     saturation: Annotated[float, Field(ge=0, le=2)] | None = None
-    """How colourful all is; 0 is black and white."""
+    """Colour saturation; 0 is black and white."""
     haze: Annotated[float, Field(ge=0, le=1)] | None = None
-    """How fast the depth of the stage fades [1/m]."""
+    """Density of the haze over depth [1/m]."""
     side: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the light from both sides; none if nothing is said."""
+    """Strength of the light from both sides; left out: none."""
     side_left: Colour | None = None
     """Colour of the light from the left."""
     side_right: Colour | None = None
@@ -207,23 +207,23 @@ class LookSection(Section):
     back_light: Colour | None = None
     """Its colour."""
     beams: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the beams that are seen in the haze."""
+    """Strength of the visible beams in the haze."""
     beams_colour: Colour | None = None
     """Colour of every other beam; those between are warmer."""
     beams_width: Annotated[float, Field(ge=0.01, le=0.5)] | None = None
-    """How fast a beam grows wider on its way."""
+    """How fast a beam widens along its length."""
     beams_fan: Annotated[float, Field(ge=-2, le=2)] | None = None
-    """Where the beams meet the floor: 1 below their lamps, 0 all in the middle, -1 crossed."""
+    """Where the beams hit the floor: 1 below their lamps, 0 all in the middle, -1 crossed."""
     beams_sway: Share | None = None
-    """How far the beams swing, there and back in eight beats."""
+    """How far the beams swing, with a period of eight beats."""
     pulse: Share | None = None
-    """How much all light answers the beat."""
+    """How much all light pulses with the beat."""
     energy: Share | None = None
     """How much all light follows the energy of the music."""
     stage: Share | None = None
-    """How much of floor and wall is seen; 0: dancers alone before true black, as for a gauze."""
+    """Visibility of floor and wall; 0: dancers alone on true black, as for a gauze."""
     gradient: Share | None = None
-    """How much the wall behind is a gradient of two colours."""
+    """Strength of the two-colour gradient on the back wall."""
     gradient_top: Colour | None = None
     """Its colour above."""
     gradient_bottom: Colour | None = None

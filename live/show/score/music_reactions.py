@@ -118,7 +118,7 @@ class Reactions:
         """Drops heard so far."""
 
     def take_patch(self, fresh: "Reactions") -> None:
-        """Follow the music as another patch says; what is followed already goes on smoothly."""
+        """Adopt the tables of an edited patch; values that are already followed continue smoothly."""
         known = dict(zip(self._follows, self._values, strict=True))
         self._follows, self._calls = fresh._follows, fresh._calls
         self._values = [known.get(section) for section in self._follows]

@@ -149,7 +149,7 @@ class Prompter:
     def came_late(self) -> None:
         """Record a jump that changed the next measure after its steps were chosen; those steps are danced."""
         self.late_jumps += 1
-        self.said = "steps of the first measure were decided already: they are those of before"
+        self.said = "the steps of the first measure were decided already: the old ones are danced"
         self.said_measure = self.playhead.measure + 1
 
     def section(self, name: str) -> int:

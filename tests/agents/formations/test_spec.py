@@ -17,7 +17,7 @@ NAN, FAR = math.nan, 1e30
 REFUSED = [
     ({"shape": "heptagon"}, "shape"),
     ({"shape": ["star"]}, "shape"),
-    ({"colour": 1}, "'colour' is no key"),
+    ({"colour": 1}, "unknown key 'colour'"),
     ({"shape": "circle", "size": [NAN, 3]}, "size"),
     ({"shape": "circle", "size": [0, 3]}, "size"),
     ({"shape": "circle", "size": [1e9, 3]}, "size"),

@@ -73,7 +73,7 @@ def test_who_is_meant(expression, expected):
         ("tall ? red", "cannot be read from '\\? red'"),
         ("x" * (LONGEST + 1), "characters"),
         ("(" * (DEEPEST + 1) + "1" + ")" * (DEEPEST + 1), "brackets"),
-        ("left", "is not known"),
+        ("left", "are not known"),
     ],
 )
 def test_what_cannot_be_meant_is_said(expression, says):

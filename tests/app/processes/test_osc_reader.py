@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from live.app.launch_options import Played
+from live.app.launch_options import LaunchOptions
 from live.app.processes import engine_main
 from live.base.event_queue import Inbox
 from live.cli.main import app
@@ -161,7 +161,7 @@ def test_a_supervised_show_has_osc_read_by_a_process_unless_it_is_told_otherwise
     assert done.exit_code == 0, done.output
     (orders,) = made
     assert bool(orders.osc_reader) is reads
-    assert Played.unpacked(orders.show).wish.osc_process is reads
+    assert LaunchOptions.decode(orders.show).osc_process is reads
 
 
 def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise(
@@ -169,8 +169,8 @@ def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise
 ) -> None:
     wishes: list[Any] = []
     monkeypatch.setattr("live.app.kernel_warmup.warm_kernels", lambda console: None)
-    monkeypatch.setattr("live.app.headless_loop.play_show", lambda wish, **_: wishes.append(wish))
+    monkeypatch.setattr("live.app.headless_loop.play_show", lambda options, **_: wishes.append(options))
     for options in ((), ("--osc-process",)):
         done = CliRunner().invoke(app, ["play", "--headless", "--alone", "--bpm", "120", *options])
         assert done.exit_code == 0, done.output
-    assert [wish.osc_process for wish in wishes] == [False, True]
+    assert [options.osc_process for options in wishes] == [None, True]  # only a supervisor starts it unasked

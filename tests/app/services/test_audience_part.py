@@ -7,7 +7,7 @@ import signal
 import aiohttp
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.option_values import audience_address, audience_web_address, with_audience
 from live.app.services.audience_service import AudiencePart, beat_of, rules_of
 from live.base.errors import PersonError
@@ -29,8 +29,8 @@ class Stage:
         self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), Inbox()
         self.status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status)
-        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
-        self.part = AudiencePart(wish, self.show, self.inbox.lane(), self.clock)
+        options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
+        self.part = AudiencePart(options, self.show, self.inbox.lane(), self.clock)
 
     def say(self, kind, **values):
         self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
@@ -122,16 +122,16 @@ def test_where_phones_play_is_shown_and_what_cannot_be_is_told():
     assert with_audience(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
     assert with_audience(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
     made = made_show(), Inbox().lane(), SystemClock()
-    public = AudiencePart(Wish(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
+    public = AudiencePart(LaunchOptions(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
     assert public.is_public
     assert public.address.startswith("http://")
     assert ":8020" in public.address
-    named = AudiencePart(Wish(audience=("0.0.0.0", 8020), audience_link="http://stage.local/"), *made)
+    named = AudiencePart(LaunchOptions(audience=("0.0.0.0", 8020), audience_link="http://stage.local/"), *made)
     assert named.address == "http://stage.local"
-    first = AudiencePart(Wish(audience=("127.0.0.1", 0), audience_secret=b"x"), *made)
+    first = AudiencePart(LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"x"), *made)
     first.start()
     try:
         with pytest.raises(PersonError, match="choose another port"):
-            AudiencePart(Wish(audience=("127.0.0.1", first.port), audience_secret=b"x"), *made).start()
+            AudiencePart(LaunchOptions(audience=("127.0.0.1", first.port), audience_secret=b"x"), *made).start()
     finally:
         first.stop()

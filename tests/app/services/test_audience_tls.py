@@ -16,7 +16,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import AudiencePart, network_of, tls_files
 from live.app.services.audience_tls import parse_tls, read_identity
 from live.base.errors import PersonError
@@ -105,8 +105,8 @@ def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_i
 def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play_on(tmp_path, notes):
     files = made(tmp_path, ends=NOW + datetime.timedelta(hours=1))
     clock = ManualClock()
-    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
-    part = AudiencePart(wish, made_show(), Inbox().lane(), clock)
+    options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
+    part = AudiencePart(options, made_show(), Inbox().lane(), clock)
     part.start()
     try:
         assert [words for words in notes if "expires on" in words]
@@ -133,8 +133,8 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
     assert not [words for words in identity.doubt(NOW, "hall.play.example") if "phones are given" in words]
     assert [words for words in identity.doubt(NOW, "a.b.play.example") if "phones are given" in words]
     assert [words for words in identity.doubt(NOW - 90 * DAY, "127.0.0.1") if "valid from" in words]
-    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key))
-    part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock())
+    options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key))
+    part = AudiencePart(options, made_show(), Inbox().lane(), ManualClock())
     part.start()
     part.stop()
     assert [words for words in notes if "expired on" in words]
@@ -143,10 +143,10 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
 def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_have_gone(tmp_path, notes):
     files = made(tmp_path)
     files[1].unlink()
-    wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
+    options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
     with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
-        AudiencePart(wish, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
-    part = AudiencePart(wish, made_show(), Inbox().lane(), ManualClock(90.0))
+        AudiencePart(options, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
+    part = AudiencePart(options, made_show(), Inbox().lane(), ManualClock(90.0))
     part.goes_on = True
     part.start()
     for each in (part.before_frame, part.frame, part.stop):
@@ -158,7 +158,7 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
 def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
     certificate, key = made(tmp_path, hosts=("*.x.example", "play.example"))
     part = AudiencePart(
-        Wish(audience=("127.0.0.2", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key)),
+        LaunchOptions(audience=("127.0.0.2", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key)),
         made_show(), Inbox().lane(), ManualClock(),
     )  # fmt: skip
     part.start()
@@ -205,12 +205,12 @@ def test_the_venues_files_lie_beside_it_and_the_command_line_goes_first(tmp_path
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     (tmp_path / "venues" / "hall.toml").write_text('[audience]\ncertificate = "a.pem"\nkey = "/etc/b.key"\n')
-    wish = Wish(venue="hall")
-    found = tls_files(wish, wish.read_venue().audience)
+    options = LaunchOptions(venue="hall")
+    found = tls_files(options, options.read_venue().audience)
     assert found == (tmp_path / "venues" / "a.pem", type(tmp_path)("/etc/b.key"))
-    assert tls_files(wish, Venue().audience) is None
+    assert tls_files(options, Venue().audience) is None
     own = type(tmp_path)("x"), type(tmp_path)("y")
-    assert tls_files(Wish(venue="hall", audience_tls=own), wish.read_venue().audience) == own
+    assert tls_files(LaunchOptions(venue="hall", audience_tls=own), options.read_venue().audience) == own
 
 
 def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch):
@@ -222,7 +222,7 @@ def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch)
         made(folder, **how)
         text = '[audience]\ncertificate = "hall.pem"\nkey = "hall.key"\n'
         (folder / "hall.toml").write_text(text)
-        return [(one.state, one.detail) for one in certificate_checks(Wish(venue="hall").read_venue(), "hall")]
+        return [(one.state, one.detail) for one in certificate_checks(LaunchOptions(venue="hall").read_venue(), "hall")]
 
     assert list(certificate_checks(Venue(), None)) == []
     [(state, words)] = look()
@@ -230,7 +230,7 @@ def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch)
     [(state, words)] = look(ends=NOW + DAY)
     assert (state, "renew it soon" in words) == ("limited", True)
     (folder / "hall.key").unlink()
-    [found] = certificate_checks(Wish(venue="hall").read_venue(), "hall")
+    [found] = certificate_checks(LaunchOptions(venue="hall").read_venue(), "hall")
     assert (found.state, "hall.key" in str(found)) == ("missing", True)
 
 

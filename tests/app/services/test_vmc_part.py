@@ -6,7 +6,7 @@ import socket
 import numpy as np
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.services.capture_services import make_psn, make_vmc
 from live.base.errors import PersonError
 from live.base.event_queue import Inbox
@@ -26,16 +26,16 @@ VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}
 def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patchs_performers():
     lane, clock = Inbox().lane(), ManualClock()
     show = made_show('[[mocap]]\nname = "anna"\nport = 39541\n')
-    assert make_vmc(Wish(), show, None, lane, clock) is None
-    assert make_psn(Wish(), None, lane, clock) is None
-    for part in (make_vmc(Wish(), show, VENUE, lane, clock), make_psn(Wish(), VENUE, lane, clock)):
+    assert make_vmc(LaunchOptions(), show, None, lane, clock) is None
+    assert make_psn(LaunchOptions(), None, lane, clock) is None
+    for part in (make_vmc(LaunchOptions(), show, VENUE, lane, clock), make_psn(LaunchOptions(), VENUE, lane, clock)):
         part.start()
         part.frame()
         assert part.refused().total() == 0
         assert part.status()["received"] == 0
         part.stop()
         part.stop()
-    part = make_vmc(Wish(vmc=(("127.0.0.1", 0),)), show, VENUE, lane, clock)
+    part = make_vmc(LaunchOptions(vmc=(("127.0.0.1", 0),)), show, VENUE, lane, clock)
     part.take_patch(parse_patch(PATCH + '[[mocap]]\nname = "ben"\n', "test.toml"))
     assert part.status()["at"] == ["127.0.0.1:0"]
 
@@ -45,8 +45,8 @@ def test_a_port_that_is_taken_is_told_in_one_line():
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
         lane, clock = Inbox().lane(), ManualClock()
-        vmc = make_vmc(Wish(vmc=(("127.0.0.1", port),)), made_show(), None, lane, clock)
-        psn = make_psn(Wish(psn=str(port)), None, lane, clock)
+        vmc = make_vmc(LaunchOptions(vmc=(("127.0.0.1", port),)), made_show(), None, lane, clock)
+        psn = make_psn(LaunchOptions(psn=str(port)), None, lane, clock)
         for part, words in ((vmc, "VMC cannot listen.*--vmc"), (psn, "PosiStageNet cannot listen.*--psn")):
             with pytest.raises(PersonError, match=words):
                 part.start()

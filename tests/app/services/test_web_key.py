@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.services.http_services import kept_key, key_file, parse_web
 from live.base.errors import PersonError
 
@@ -125,6 +125,6 @@ def test_strange_hosts_are_refused(host):
 def test_the_key_is_never_shown_with_the_rest():
     access = web(hosts=["show.example", "show.example:443"])
     assert access.hosts == ("show.example", "show.example:443")
-    wish = Wish(web=access.where, web_key=access.key)
+    options = LaunchOptions(web=access.where, web_key=access.key)
     assert access.key not in repr(access)
-    assert access.key not in repr(wish)
+    assert access.key not in repr(options)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.option_values import parse_measures
 from live.app.practice import practice_events, practice_tempo
 from live.app.session_audio import choose_sound
@@ -77,16 +77,16 @@ SCORE = '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasure
 
 def test_practice_loops_the_measures_and_refuses_what_the_score_has_not():
     show = made_show(SCORE)
-    for event in practice_events(Wish(measures=(3, 5)), show):
+    for event in practice_events(LaunchOptions(measures=(3, 5)), show):
         show.apply(event)
     places = []
     for tick in range(1, 64 * 18):
         if show.tick(tick / 64.0):
             places.append(show.playhead.written(show.playhead.place(show.span.number)) + 1)
     assert places == [3, 4, 5, 3, 4, 5, 3, 4]
-    assert practice_events(Wish(), show) == []
+    assert practice_events(LaunchOptions(), show) == []
     with pytest.raises(PersonError, match="it has 8"):
-        practice_events(Wish(measures=(7, 9)), show)
+        practice_events(LaunchOptions(measures=(7, 9)), show)
 
 
 def loaded(music: float | None) -> Any:
@@ -95,18 +95,18 @@ def loaded(music: float | None) -> Any:
 
 
 def test_the_tempo_of_practice_is_a_share_of_what_it_would_be():
-    assert practice_tempo(Wish(tempo_share=0.8), loaded(None)) == pytest.approx(96.0)
-    assert practice_tempo(Wish(tempo_share=0.5), loaded(100.0)) == pytest.approx(50.0)
-    assert practice_tempo(Wish(tempo_share=0.5, bpm=90.0), loaded(100.0)) == pytest.approx(45.0)
-    assert practice_tempo(Wish(measures=(1, 2)), loaded(None)) == pytest.approx(120.0)
+    assert practice_tempo(LaunchOptions(tempo_share=0.8), loaded(None)) == pytest.approx(96.0)
+    assert practice_tempo(LaunchOptions(tempo_share=0.5), loaded(100.0)) == pytest.approx(50.0)
+    assert practice_tempo(LaunchOptions(tempo_share=0.5, bpm=90.0), loaded(100.0)) == pytest.approx(45.0)
+    assert practice_tempo(LaunchOptions(measures=(1, 2)), loaded(None)) == pytest.approx(120.0)
     with pytest.raises(PersonError, match="12 bpm"):
-        practice_tempo(Wish(tempo_share=0.1), loaded(None))
+        practice_tempo(LaunchOptions(tempo_share=0.1), loaded(None))
 
 
 def test_no_music_plays_to_practice_and_none_can_be_slowed():
-    assert choose_sound(Wish(measures=(1, 2)), loaded(None)).music is None
+    assert choose_sound(LaunchOptions(measures=(1, 2)), loaded(None)).music is None
     with pytest.raises(PersonError, match="--tempo-share"):
-        choose_sound(Wish(tempo_share=0.8, audio="song.wav"), loaded(None))
+        choose_sound(LaunchOptions(tempo_share=0.8, audio="song.wav"), loaded(None))
 
 
 def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):

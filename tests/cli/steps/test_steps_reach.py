@@ -41,12 +41,12 @@ def test_svg_has_a_dot_for_each_clip_and_its_way_to_scale(tmp_path):
 def test_her_left_is_on_the_left_and_missing_directions_are_named():
     """The grapevine goes to both sides; with its clips to the right taken away the left is drawn on the left."""
     reach = reach_of_step("grapevine", None)
-    assert set(reach.missing) == set(DIRECTION_NAMES) - {"to her left", "to her right"}
+    assert set(reach.missing) == set(DIRECTION_NAMES) - {"to the left", "to the right"}
     canvas = SvgCanvas()
     draw_reach(reach, canvas)
     root = ElementTree.fromstring(canvas.data())
     texts = {text.text: float(text.attrib["x"]) for text in root.iter(f"{SVG}text")}
-    assert texts["forward and to her left"] < SIZE / 2 < texts["forward and to her right"]
+    assert texts["forward and to the left"] < SIZE / 2 < texts["forward and to the right"]
     assert set(texts) >= set(reach.missing)
     assert len([line for line in root.iter(f"{SVG}line") if "stroke-dasharray" in line.attrib]) == 6
 

@@ -24,7 +24,7 @@ def test_directions_as_the_dancer_sees_them(n):
     """Facing +z she has her left at +x."""
     angle = n * math.pi / 4
     assert direction_of(np.array([math.sin(angle), math.cos(angle)])) == DIRECTION_NAMES[n]
-    assert DIRECTION_NAMES[2] == "to her left"
+    assert DIRECTION_NAMES[2] == "to the left"
 
 
 def test_the_reach_of_made_glides():
@@ -82,7 +82,7 @@ def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
     (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
     assert lack.text == (
         "the path goes 2.00 m a measure, but 'glide' travels 0.80 m at most: "
-        "give this way 25 measures instead of 10, or choose a step that travels farther"
+        "give this path 25 measures instead of 10, or choose a step that travels farther"
     )
     # and with so many measures it can be danced
     targets = follow_line([(0, 0), (0, 20)], 25)
@@ -95,18 +95,18 @@ def test_a_step_that_goes_nowhere():
     targets = follow_line([(0, 0), (0, 3)], 4)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
-    assert "record 'bow' going somewhere" in lack.text
+    assert "record 'bow' with travel" in lack.text
 
 
 def test_a_direction_that_is_missing_is_named_with_its_measures():
-    """Forward and back there is everything, to the sides nothing; the path goes forward, then to her right."""
+    """Forward and back there is everything, to the sides nothing; the path goes forward, then to the right."""
     graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.0, -0.8)])
     targets = follow_line([(0, 0), (0, 2.4), (-2.4, 2.4)], 6)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     lacks = path_lacks(graph, candidates, targets, followed, seconds=2.0)
-    assert [lack.direction for lack in lacks] == ["to her right"]
+    assert [lack.direction for lack in lacks] == ["to the right"]
     assert lacks[0].measures == (4, 5, 6)
-    assert "record 'glide' to her right, 1.0 m a measure" in lacks[0].text
+    assert "record 'glide' to the right, 1.0 m a measure" in lacks[0].text
     assert "measures 4, 5, 6" in lacks[0].text
     assert "0.80" not in lacks[0].text
 

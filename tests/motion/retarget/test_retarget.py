@@ -210,7 +210,7 @@ def test_the_floor_comes_to_zero_wherever_it_was() -> None:
         ({"fps": float("nan")}, "fps nan"),
         ({"drop_frames": 5}, "drop_frames 5: 0 to 4 expected"),
         ({"drop_frames": -1}, "drop_frames -1"),
-        ({"unit_m": 1.0}, "would be 173 m tall; 1.2 to 2.2 m is believed, that is unit_m 0.006"),
+        ({"unit_m": 1.0}, "would be 173 m tall; 1.2 to 2.2 m is plausible, that is unit_m 0.006"),
         ({"sample_rate": 0.0}, "sample rate 0.0 Hz"),
     ],
 )

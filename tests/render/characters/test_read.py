@@ -53,8 +53,8 @@ POSITION, JOINTS, INDICES = 0, 3, 5
 CASES = {
     "no skin": (without_skin, "has no skin"),
     "no place": (poke(POSITION, 0, float("nan"), "<f"), "not usable"),
-    "a vertex that is not there": (poke(INDICES, 0, 10**6, "<I"), "name the vertex 1000000"),
-    "a joint that is not there": (poke(JOINTS, 0, 200, "<B"), "names the joint 200 of 22"),
+    "a vertex that is not there": (poke(INDICES, 0, 10**6, "<I"), "refer to vertex 1000000"),
+    "a joint that is not there": (poke(JOINTS, 0, 200, "<B"), "refers to joint 200 of 22"),
     "a material that is not there": (put("meshes", 0, "primitives", 0, "material", value=3), "material is 3"),
     "an accessor that is not there": (put("meshes", 0, "primitives", 0, "indices", value=99), "no number 99"),
     "an accessor that is too long": (put("accessors", 0, "count", value=10**9), "numbers|beyond"),

@@ -81,7 +81,7 @@ def test_a_uniform_with_a_range_is_a_parameter():
         ("waves", "\nuniform float a; // 1 0 0.5\n" + NEGATIVE, "line 2: uniform 'a' has no range"),
         ("waves", "uniform float a; // 0 1 nan\n" + NEGATIVE, "line 1: uniform 'a' has no range"),
         ("waves", "uniform vec3 a; // 0 1 1\n" + NEGATIVE, "line 1: uniform 'a' is a vec3"),
-        ("waves", "uniform float beat; // 0 1 1\n" + NEGATIVE, "'beat' is there already"),
+        ("waves", "uniform float beat; // 0 1 1\n" + NEGATIVE, "'beat' is predefined"),
         ("waves", "uniform float a; // 0 1 1\n" * 2 + NEGATIVE, "line 2: a second uniform 'a'"),
         ("waves", "".join(f"uniform float a{i}; // 0 1 1\n" for i in range(16)) + NEGATIVE, "16 uniforms"),
         ("waves", "//" + "x" * 40_000 + "\n" + NEGATIVE, "at most 32000"),
@@ -203,6 +203,6 @@ def test_a_shader_that_never_ends_is_ended(gl_context):
     text = f"vec4 pass(vec2 at) {{ float x = at.x; while (x < 2.0) {{ {rounds} }} return vec4(x); }}"
     endless = own("endless", text)
     begin = time.monotonic()
-    with pytest.raises(PersonError, match=r"passes/endless.glsl: not done after 4 s: is there a loop that never ends"):
+    with pytest.raises(PersonError, match=r"passes/endless.glsl: not done after 4 s; check for a loop that never ends"):
         try_passes((endless,), limit=4.0)
     assert time.monotonic() - begin < 60.0

@@ -185,7 +185,7 @@ def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgo
         (lambda s: at(events.PlaceElement, s, kind="path", points="a b"), "points 'a b' are none"),
         (lambda s: at(events.PlaceElement, s, kind="storm"), "no element is called 'storm'"),
         (lambda s: at(events.PlaceElement, s, kind="follow", whom="99"), "no dancer has the number 99"),
-        (lambda s: at(events.Evolve, s, formation="blob"), "no formation"),
+        (lambda s: at(events.Evolve, s, formation="blob"), "unknown formation"),
         (lambda s: at(events.Evolve, s, formation="path:M 0 0 L 1 1"), "while a show runs"),
         (lambda s: at(events.Evolve, s, formation="line", match="best"), "match 'best' is unknown"),
         (lambda s: at(events.Regroup, s, dancers="1", group="middle"), "no group is called 'middle'"),

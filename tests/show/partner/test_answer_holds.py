@@ -145,7 +145,7 @@ def test_where_nothing_is_written_or_looked_for_nobody_holds_hands() -> None:
     ("lines", "words"),
     [
         ("hold_time = 0.5", "hold_time without hold_distance"),
-        ('hold_distance = 0.2\nplace = "own"', "at her own place"),
+        ('hold_distance = 0.2\nplace = "own"', 'follower with place = "own"'),
         ("hold_distance = 0.0", "greater than or equal to 0.02"),
         ("hands = 1.5", "less than or equal to 1"),
     ],

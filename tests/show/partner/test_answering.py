@@ -171,10 +171,10 @@ def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
     ("table", "place", "words"),
     [
         ('leader = "nobody"\nfollower = "back & 6"', "leader", "nobody"),
-        ('leader = "front"\nfollower = "front & 2"', "leader", "answer herself"),
+        ('leader = "front"\nfollower = "front & 2"', "leader", "answer themselves"),
         ('leader = "front"\nfollower = "back"', "follower", "5 lead and 4 answer"),
         ('leader = "left"\nfollower = "back"', "leader", "places"),
-        ('leader = "front & 1"\nfollower = "*"', "leader", "answer herself"),
+        ('leader = "front & 1"\nfollower = "*"', "leader", "answer themselves"),
     ],
 )
 def test_partners_that_cannot_be_are_told_with_their_key(table: str, place: str, words: str) -> None:
@@ -220,7 +220,7 @@ def test_over_the_network_nonsense_is_counted_and_changes_nothing() -> None:
     assert answering.asked[0].window == 0.15  # as far as the patch lets units stretch
     without = Show(parse_patch(PATCH, "t.toml"), GRAPH)
     assert not without.apply(events.SetPartner(parameter="on", value=1.0, **STAMP))
-    with pytest.raises(PatchError, match="nobody answers a leader"):
+    with pytest.raises(PatchError, match="there is no partner"):
         parse_patch(PATCH + '[[react]]\non = "unit:x"\ncall = "/dance/clear"\n', "t.toml")
     with pytest.raises(PersonError, match="have a 'polka'"):
         bank_of(DUET + '[[react]]\non = "unit:polka"\ncall = "/dance/clear"\n')

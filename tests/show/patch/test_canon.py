@@ -94,7 +94,7 @@ def test_a_mirroring_group_dances_mirror_images_and_its_leader_none():
 @pytest.mark.parametrize(
     ("group", "words"),
     [
-        ('like = "front"\nsteps = ["sway"]', "has steps of its own and is like"),
+        ('like = "front"\nsteps = ["sway"]', "has steps and like = "),
         ('like = "nobody"', "no other group is called that"),
         ('like = "echo"', "no other group is called that"),
         ("", "has nothing to dance"),

@@ -35,7 +35,7 @@ def test_a_group_begins_as_its_patch_says():
         ({"inky": 1.0}, "group 'ember': nothing is drawn by 'inky'; there are: solid, silhouette"),
         ({"ink": 2.0}, "/dance/draw/ink' = 2.0"),
         ({"ink_colour": 1.0}, "expected 3 numbers"),
-        ({"ink tide": 1.0}, "no group's name belongs behind it here"),
+        ({"ink tide": 1.0}, "leave out the group's name"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(draw, words):

@@ -54,7 +54,7 @@ from tests.show.made_show import PATCH
         (
             'loop_measures = 2\n[[element]]\nkind = "spread"\nmeasure = 3',
             "line 5: element.1.measure",
-            "it would never come",
+            "it would never begin",
         ),
         ("[look]\nfloor = [2.0, 0, 0]", "line 3: look.floor.1", "less than or equal to 1"),
     ],

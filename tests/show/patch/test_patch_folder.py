@@ -64,7 +64,7 @@ def test_a_file_with_another_name_stands_alone(tmp_path):
             "'attract'",
         ),
         ({"formations__a": RING, "formations__b": "\n" + RING}, "formations/b.toml, line 3: formation.2.name", "two"),
-        ({"looks__a": "[look]\nhaze = 0.2\n"}, "looks/a.toml, line 2: look.haze", "stands already in"),
+        ({"looks__a": "[look]\nhaze = 0.2\n"}, "looks/a.toml, line 2: look.haze", "already given in"),
         ({"looks__a": 'name = "again"\n'}, "looks/a.toml, line 1: name", "show.toml, line 1"),
         ({"looks__a": "[element]\nmeasure = 2\n"}, "looks/a.toml, line 1: element", "show.toml, line 8"),
         ({"looks__a": "[look]\nambient = 2\n"}, "looks/a.toml, line 2: look.ambient", "less than or equal to 1"),

@@ -157,7 +157,7 @@ def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, whe
     assert night.show.patch is before
     assert not night.edit(new, old)  # as it was: nothing to take, and nothing is wrong any more
     assert night.watch.problem == ""
-    assert night.watch.told == "patch: mended; it says what is danced already"
+    assert night.watch.told == "patch: mended; it is the same as the patch in force"
 
 
 def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch):

@@ -126,7 +126,7 @@ BAD = [
     # calls of cues, and of motion that is improvised
     (CUE + 'calls = [["/dance/step", "moonwalk"]]', 2, "cue.1.calls.1", "no step is called 'moonwalk'"),
     (CUE + 'calls = [["/dance/spread"], ["/dance/spread", 2, "embers"]]', 2, "cue.1.calls.2", "'embers'"),
-    (CUE + 'calls = [["/dance/formation", "wegde"]]', 2, "cue.1.calls.1", "'wegde' is no formation"),
+    (CUE + 'calls = [["/dance/formation", "wegde"]]', 2, "cue.1.calls.1", "unknown formation 'wegde'"),
     (CUE + 'calls = [["/dance/section", "bridge"]]', 2, "cue.1.calls.1", "no section is called 'bridge'"),
     (CUE + 'calls = [["/dance/formation/define", "mine", "line"], ["/dance/formation", "Mine"]]', 0, "", None),
     (REACT + 'call = "/dance/step"\nvalues = ["moonwalk"]', 3, "react.1.values", "no step is called 'moonwalk'"),
@@ -178,9 +178,9 @@ BAD = [
     (CUE + "number = 12\n[[cue]]\nname = '12'", 4, "cue.2.name", "is called as cue 'go' is numbered"),
     (CUE + "number = 12\n[[cue]]\nname = '13'\nnumber = 13", 0, "", None),
     # what a patch begins with
-    ('[[scene]]\nname = "Start"', 1, "scene.1.name", "is what the patch begins with"),
-    ('[[view]]\nname = "start"', 1, "view.1.name", "is what the patch begins with"),
-    ('[[looks]]\nname = "start"', 1, "looks.1.name", "is what the patch begins with"),
+    ('[[scene]]\nname = "Start"', 1, "scene.1.name", "names the start of the patch"),
+    ('[[view]]\nname = "start"', 1, "view.1.name", "names the start of the patch"),
+    ('[[looks]]\nname = "start"', 1, "looks.1.name", "names the start of the patch"),
     (
         '[[scene]]\nname = "a"\n[scene.set]\n"/dance/camera/eye" = [0, 2, 3]\n"/dance/camera/target" = [0, 2, 3]',
         0,
@@ -201,7 +201,7 @@ BAD = [
         SECTIONS + IMPROVISE + 'section = "solo"\ngroup = "front"\nanswers = "back"\nphrase = 3\nmeasure = 2',
         10,
         "improvise.1.phrase",
-        "after 3 measures it is over: 1 at most",
+        "it ends after 3 measures: 1 at most",
     ),
     (
         IMPROVISE + 'group = "front"\nanswers = "back"\n[[improvise]]\ngroup = "back"\nanswers = "front"',

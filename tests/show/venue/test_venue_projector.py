@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.base.compression import unpacked
 from live.base.errors import PersonError
 from live.base.projector_perspective import floor_corners
@@ -100,6 +100,6 @@ def test_the_command_line_reads_it_with_the_venue(tmp_path, monkeypatch):
     (tmp_path / "venues" / "hall.toml").write_text(HALL)
     loaded = LoadedShow(tmp_path / "show.toml", patch(CAMERA), GRAPH)
     monkeypatch.setattr("live.show.loader.load_show", lambda path, **options: loaded)
-    played = Wish(venue="hall").load()
+    played = LaunchOptions(venue="hall").load()
     np.testing.assert_allclose(floor_of(played.scene().camera), CORNERS, atol=1e-9)
-    assert Wish().load() is loaded
+    assert LaunchOptions().load() is loaded

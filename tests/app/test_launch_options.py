@@ -1,0 +1,123 @@
+"""Launch options: every option becomes a field, and every field reaches the process that plays."""
+
+import base64
+import pickle
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from live.app.launch_options import OPTION, LaunchOptions
+from live.base.errors import PersonError
+from live.cli.play import parsed, with_launch_options
+from live.control.message_codec import packet_of
+
+USUAL = LaunchOptions()
+ALL = LaunchOptions(
+    patch="samba", audio="mic", bpm=120.0, midi_file=Path("a.mid"), steps=Path("/tmp/steps"), seed=3, measures=(2, 9),
+    tempo_share=0.8, osc=("0.0.0.0", 9010), osc_process=True, osc_musicians=("::", 9011),
+    osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), dmx=("sacn:1",), vmc_out=("127.0.0.1:39539",),
+    vmc=(("0.0.0.0", 39540),), oscquery=("127.0.0.1", 8000), web=("127.0.0.1", 8001), web_key="k",
+    web_hosts=("stage.example",), audience_tls=(Path("cert.pem"), Path("key.pem")),
+    audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
+    status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
+    fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
+    lead="9020", standby="other", service="hall", audio_channel="3", venue="hall", link="lead", click="out",
+    click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", psn="56565",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("options", [USUAL, ALL])
+def test_they_come_as_they_were_sent(options):
+    assert LaunchOptions.decode(options.encode()) == options
+
+
+def test_every_field_was_tried():
+    assert [each.name for each in fields(LaunchOptions) if getattr(ALL, each.name) == getattr(USUAL, each.name)] == []
+
+
+def written_by(*words):
+    """What a command with these options gets from a command line."""
+    found = {}
+
+    @with_launch_options
+    def command(**written):
+        found.update(written)
+
+    app = typer.Typer()
+    app.command()(command)
+    result = CliRunner().invoke(app, list(words))
+    assert result.exit_code == 0, result.output
+    return found
+
+
+def test_a_command_line_without_options_means_the_usual_ones():
+    values = parsed(written_by())
+    assert LaunchOptions(**values) == USUAL
+    assert set(values) == {each.name for each in fields(LaunchOptions)} - {"audience_secret"}  # nobody writes that
+
+
+def test_each_option_becomes_its_field(tmp_path):
+    words = (
+        "samba --audio mic --audio-channel 3 --venue hall --bpm 120 --link lead --midi in --midi-file a.mid "
+        "--midi-out out --midi-clock-out clock --click out --click-channels 1 --seconds 3.5 --measures 2-9 "
+        "--tempo-share 0.8 --steps /tmp --seed 3 --osc 0.0.0.0:9010 --osc-process --osc-musicians [::]:9011 "
+        "--osc-out 127.0.0.1:9000 --osc-out localhost:9001 --dmx sacn:1 --web 127.0.0.1:8001 --web-key k "
+        "--web-host stage.example --psn 56565 --vmc-out 127.0.0.1:39539 --vmc 0.0.0.0:39540 "
+        "--oscquery 127.0.0.1:8000 --audience 0.0.0.0:80 --audience-link http://x --audience-tls cert.pem,key.pem "
+        "--monitor HDMI-1 --fullscreen --operator 2 --headless --size 640x360 --fps 30 --shaders shaders --quality 2 "
+        f"--record {tmp_path}/film.mp4 --share shm:x --journal {tmp_path}/night.jsonl --status-json {tmp_path}/s.json "
+        "--alone --lead 9020 --standby other --service hall"
+    ).split()
+    values = parsed(written_by(*words))
+    here = {"steps": Path("/tmp"), "journal": tmp_path / "night.jsonl", "status_json": tmp_path / "s.json"}
+    here |= {"record": tmp_path / "film.mp4"}
+    wanted = {name: here.get(name, getattr(ALL, name)) for name in values}
+    assert values == wanted
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [("bpm", 1000.0), ("seconds", float("nan")), ("fps", 0.0), ("quality", 99), ("tempo_share", 9.0), ("link", "both"),
+     ("size", "big"), ("osc", "x:y"), ("vmc", ["a:b:c"]), ("measures", "9-2"), ("journal", Path("/nowhere/a/b")),
+     ("audience_tls", "one.pem"), ("share", ["ftp:x"])],
+)  # fmt: skip
+def test_a_wrong_value_is_refused_with_the_name_of_its_option(word, value):
+    with pytest.raises(PersonError, match=f"--{word.replace('_', '-')}"):
+        parsed({**written_by(), word: value})
+
+
+def test_every_option_has_a_text_for_people():
+    assert [
+        each.name for each in fields(LaunchOptions) if OPTION in each.metadata and not each.metadata[OPTION].help
+    ] == []
+
+
+def word(value):
+    return base64.b64encode(packet_of(value)).decode()
+
+
+class Calls:
+    def __reduce__(self):
+        return exec, ("raise SystemExit('called')",)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "",
+        "?",
+        base64.b64encode(pickle.dumps(Calls())).decode(),
+        base64.b64encode(pickle.dumps(USUAL)).decode(),
+        word([]),
+        word({"patch": 7}),
+        word({"run": "x"}),
+        word({"headless": "yes"}),
+        word({"osc": ("127.0.0.1", "9010")}),
+    ],
+)
+def test_a_word_that_somebody_made_up_is_refused(said):
+    with pytest.raises(ValueError):  # noqa: PT011
+        LaunchOptions.decode(said)
