@@ -80,7 +80,7 @@ class ClipCache:
 def _code() -> bytes:
     """Digest of the code that turns files into clips."""
     digest = hashlib.sha256()
-    for package in ("motion", "steps"):
+    for package in ("motion", "library"):
         for source in sorted((_PACKAGE / package).rglob("*.py")):
             digest.update(source.read_bytes())
     return digest.digest()

@@ -111,3 +111,16 @@ def test_without_a_folder_to_write_in_it_builds_every_time(folder, monkeypatch):
     monkeypatch.setenv("LIVE_CACHE_DIR", str(folder / "file"))
     assert len(CACHE.clips([b"a"], made_steps)) == len(made_steps())
     assert len(CACHE.clips([b"a"], lambda: made_steps()[:1])) == 1
+
+
+@pytest.mark.parametrize("package", ["motion", "library"])
+def test_clips_are_made_again_when_the_code_that_makes_them_has_changed(tmp_path, monkeypatch, package):
+    """A folder that was renamed dropped out of the digest in silence."""
+    assert all((disk_cache._PACKAGE / name).is_dir() for name in ("motion", "library"))
+    for name in ("motion", "library"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a.py").write_text("x = 1\n")
+    monkeypatch.setattr(disk_cache, "_PACKAGE", tmp_path)
+    before = disk_cache._code.__wrapped__()
+    (tmp_path / package / "a.py").write_text("x = 2\n")
+    assert disk_cache._code.__wrapped__() != before
