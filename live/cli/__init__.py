@@ -1,4 +1,4 @@
-"""The command line: one file for each command, which reads options and calls what does the work.
+"""Command line: one module for each command, which parses options and calls the code in live.app.
 
 It may import every layer.
 """

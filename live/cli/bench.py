@@ -1,6 +1,6 @@
-"""`live bench`: measured figures, one file per bench in the repository's folder bench/, all in one form.
+"""Command `live bench`: runs the benchmarks in the repository's folder bench/.
 
-A bench file has a docstring (its first line is the bench's title) and `run(full, shared) -> list[Row]`.
+A benchmark is a file with a docstring (its first line is the title) and `run(full, shared) -> list[Row]`.
 """
 
 import importlib.util
@@ -26,10 +26,10 @@ Run = Callable[[bool, Path | None], "list[Row]"]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One figure: `value` in `unit` (None = not measured here, e.g. its data is absent), held against a `bar`.
+    """One figure: `value` in `unit` (None: not measured, for example because data is missing), and its limit `bar`.
 
-    `sense` says on which side of the bar the value has to be. `peers`: what else was measured in this same run, by
-    name; a ratio to a peer holds on any machine, an absolute time is for orientation.
+    `sense`: whether the limit is a minimum or maximum. `peers`: other values measured in the same run, by name; a
+    ratio to a peer is comparable between machines, an absolute time is not.
     """
 
     name: str
@@ -41,13 +41,13 @@ class Row:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the bar is held; None where there is no bar or no value."""
+        """Whether the value meets the limit; None without a limit or value."""
         if self.value is None or self.bar is None:
             return None
         return self.value >= self.bar if self.sense == "at least" else self.value <= self.bar
 
     def as_json(self) -> dict[str, Any]:
-        """The row in the form that `--json` prints."""
+        """Return the row as printed by `--json`."""
         return {
             "name": self.name,
             "value": self.value,
@@ -60,12 +60,12 @@ class Row:
 
 
 def bench_names(folder: Path = BENCH_FOLDER) -> list[str]:
-    """The names of the benches in `folder`, sorted: motion_quality.py is "motion-quality"; those with _ are helpers."""
+    """Return the sorted benchmark names in `folder`: motion_quality.py is "motion-quality"; _*.py are helpers."""
     return sorted(path.stem.replace("_", "-") for path in folder.glob("*.py") if not path.stem.startswith("_"))
 
 
 def bench_title(name: str, folder: Path = BENCH_FOLDER) -> str:
-    """The first line of the bench's docstring, read without running it."""
+    """Return the first line of the benchmark's docstring, read without running it."""
     import ast
 
     docstring = ast.get_docstring(ast.parse(_bench_file(name, folder).read_text(encoding="utf-8")))
@@ -77,25 +77,27 @@ def _bench_file(name: str, folder: Path) -> Path:
 
 
 def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
-    """The `run` of one bench file; PersonError, naming those there are, where there is no such file."""
+    """Return the `run` of one benchmark file; raise PersonError with the known names if there is none."""
     names = bench_names(folder)
     if not names:
-        raise PersonError(f"there are no benches in {folder}", "benches come with the source: run this in a checkout")
+        raise PersonError(
+            f"there are no benchmarks in {folder}", "benchmarks are part of the source: run this in a checkout"
+        )
     path = _bench_file(name, folder)
     if name.replace("_", "-") not in names:
-        raise PersonError(f"no bench is called {name!r}; there are: {', '.join(names)}")
+        raise PersonError(f"no benchmark is called {name!r}; there are: {', '.join(names)}")
     specification = importlib.util.spec_from_file_location(f"bench.{path.stem}", path)
-    assert specification is not None  # a .py file always has both
+    assert specification is not None  # always set for a .py file
     assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)
-    sys.modules[specification.name] = module  # dataclasses in a bench look themselves up here
+    sys.modules[specification.name] = module  # dataclasses look up their module here
     specification.loader.exec_module(module)
     run: Run = module.run
     return run
 
 
 def machine() -> dict[str, Any]:
-    """The machine that measures: {cpu, cores, python, gl}; gl is null where there is no OpenGL."""
+    """Return this machine's {cpu, cores, python, gl}; gl is null without OpenGL."""
     from live.cli.venue.doctor import probe_opengl
 
     return {
@@ -131,13 +133,13 @@ def _table(title: str, rows: list[Row]) -> "Table":
 
 
 def bench(
-    name: Annotated[str | None, typer.Argument(help="Which bench; without it, all of them.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead: one object for each bench.")] = False,
-    full: Annotated[bool, typer.Option("--full", help="Measure everything; otherwise within a minute.")] = False,
+    name: Annotated[str | None, typer.Argument(help="The benchmark. Default: all.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead: one object per benchmark.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="Measure everything. Default: at most a minute.")] = False,
     shared: Annotated[Path | None, typer.Option(help="Folder with test data.", exists=True, file_okay=False)] = None,
-    list_: Annotated[bool, typer.Option("--list", help="List the benches and measure nothing.")] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List the benchmarks without running them.")] = False,
 ) -> None:
-    """Measure how fast and how well this machine does the work of a show."""
+    """Measure the speed and quality of a show's computations on this machine."""
     from rich.console import Console
 
     console = Console()

@@ -1,4 +1,7 @@
-"""`live` with a supervisor whose engines and disk fail, as a chaos run's page says: FOLDER, then a command line."""
+"""Entry point of chaos runs: `live` with engines and disk that fail as configured in a folder.
+
+Arguments: FOLDER, then the command line of `live`.
+"""
 
 import sys
 from pathlib import Path
@@ -9,7 +12,7 @@ from live.rehearse.chaos.injection import install_disk
 
 
 def main() -> None:
-    """Run it; everything but the engines' command is as it always is."""
+    """Run `live` with the chaos run's engine command and disk faults."""
     folder = sys.argv.pop(1)
     install_disk(Path(folder))
     engine_main.ENGINE[:] = ["live.app.processes.chaos_engine_main", folder]

@@ -1,7 +1,4 @@
-"""`live layout`: the controls as faders, pads and buttons of a tablet.
-
-`live schema`: what editors need to help with patches.
-"""
+"""Commands `live layout` and `live schema`: control surfaces for tablets, and the JSON schema of patches."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,18 +19,18 @@ def layout(
     patch: Annotated[
         str | None, typer.Option(help="Buttons for the steps, cues, scenes and formations of this patch.")
     ] = None,
-    steps: Annotated[Path | None, typer.Option(help="Its recordings.", file_okay=False)] = None,
+    steps: Annotated[Path | None, typer.Option(help="Folder with the patch's recordings.", file_okay=False)] = None,
     role: Annotated[
-        str, typer.Option(help="For whom: what nobody of this role may is left out.", metavar="operator|musician")
+        str, typer.Option(help="Only the controls that this role may use.", metavar="operator|musician")
     ] = "operator",
     osc: Annotated[
-        str, typer.Option(help="Where the show listens; for Open Stage Control.", metavar="HOST:PORT")
+        str, typer.Option(help="The show's OSC address, for Open Stage Control.", metavar="HOST:PORT")
     ] = "127.0.0.1:9010",
 ) -> None:
-    """Write a layout for TouchOSC or Open Stage Control, from the same table as everything else.
+    """Write a layout for TouchOSC or Open Stage Control, generated from the control registry.
 
-    TouchOSC asks for the address of the show itself (Connections > OSC > UDP); its button "hear the show" makes faders
-    follow what is set elsewhere.
+    In TouchOSC, enter the show's address under Connections > OSC > UDP. Its button "hear the show" makes faders follow
+    changes from other sources.
     """
     from rich.console import Console
 
@@ -45,10 +42,10 @@ def layout(
     from live.control.registry.registry import REGISTRY
 
     if kind not in KINDS:
-        raise PersonError(f"there is no layout for {kind!r}", f"for {' and '.join(KINDS)} there is one")
+        raise PersonError(f"there is no layout for {kind!r}", f"give {' or '.join(KINDS)}")
     who: Role = "musician" if role == "musician" else "operator"
     if role != who:
-        raise PersonError(f"--role {role}: nobody is called that", "operator or musician")
+        raise PersonError(f"--role {role}: unknown role", "operator or musician")
     host, port = parse_endpoint(osc, "--osc")
     names: Mapping[str, Sequence[str]] = {}
     reach = PAD_REACH
@@ -74,8 +71,8 @@ def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str
     from live.app.kernel_warmup import warm_kernels
     from live.show.patch.patch_search_path import find_patch
 
-    find_patch(patch)  # a name that nobody knows is told before seconds of loading
-    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    find_patch(patch)  # reports an unknown name before seconds of loading
+    warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.show.desk.completions import names_of
 
@@ -86,12 +83,12 @@ def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str
 
 def schema(
     out: Annotated[
-        Path | None, typer.Option(help="Write it here; without it, it is printed.", metavar="FILE.json", dir_okay=False)
+        Path | None, typer.Option(help="Write it here. Default: print it.", metavar="FILE.json", dir_okay=False)
     ] = None,
 ) -> None:
-    """The schema of patches, for editors of TOML (taplo, Even Better TOML): keys, meanings, ranges.
+    """Write the JSON schema of patches (keys, descriptions, ranges) for TOML editors (taplo, Even Better TOML).
 
-    A file of a show names it in its first line: #:schema patch.schema.json
+    The first line of a patch refers to it: #:schema patch.schema.json
     """
     import json
 

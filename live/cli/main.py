@@ -1,7 +1,7 @@
-"""The command `live`: registers the commands and turns errors into one line and an exit code.
+"""Entry point of the command `live`: registers the commands and turns errors into one line and an exit code.
 
-Every command is a function in a module of its own. Those modules hold the options and no heavy import at the top,
-so that `live --help` needs neither numba nor OpenGL; what a command works with is imported when it runs.
+Every command is a function in a separate module that declares its options. Heavy imports are inside the functions,
+so that `live --help` needs neither numba nor OpenGL.
 """
 
 import sys
@@ -24,7 +24,7 @@ from live.cli.venue import calibrate, devices, doctor
 app = typer.Typer(
     name="live",
     help="Virtual dancers that dance live to music, on a projector.",
-    epilog="The first show: [bold]live play[/]. What is missing on this machine: [bold]live doctor[/].",
+    epilog="Play the first show: [bold]live play[/]. Check this machine: [bold]live doctor[/].",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
@@ -80,7 +80,7 @@ def _live(
 
 
 def main() -> None:
-    """Run the command line and exit: 0 done, 1 a check failed, 2 an error of use, 130 Ctrl-C."""
+    """Run the command line and exit: 0 done, 1 a check failed, 2 a usage error, 130 Ctrl-C."""
     end_cleanly()
     sys.argv[1:] = with_audience(sys.argv[1:])
     try:

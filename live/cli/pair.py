@@ -1,4 +1,4 @@
-"""`live pair`: let two machines know each other, so that one may stand by for the other."""
+"""Command `live pair`: pairs two machines, so that one can be the other's warm standby."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,20 +14,19 @@ def pair(
     host: Annotated[
         str | None,
         typer.Argument(
-            help="The machine that shows a phrase. Without it: this one shows a phrase.", metavar="[HOST[:PORT]]"
+            help="The machine that shows a phrase. Default: this machine shows one.", metavar="[HOST[:PORT]]"
         ),
     ] = None,
     on: Annotated[
-        str | None, typer.Option("--on", help="Where this machine waits for the other one.", metavar="[HOST:]PORT")
+        str | None,
+        typer.Option("--on", help="Address on which this machine waits for the other one.", metavar="[HOST:]PORT"),
     ] = None,
-    names: Annotated[bool, typer.Option("--list", help="Which machines this one is paired with.")] = False,
-    forget: Annotated[
-        str | None, typer.Option(help="Forget a machine: it may not take part any more.", metavar="NAME")
-    ] = None,
+    names: Annotated[bool, typer.Option("--list", help="List the paired machines.")] = False,
+    forget: Annotated[str | None, typer.Option(help="Remove the pairing with a machine.", metavar="NAME")] = None,
 ) -> None:
-    """Pair two machines, once: `live pair` on one shows a phrase, `live pair HOST` on the other asks for it.
+    """Pair two machines once: `live pair` on one shows a phrase, `live pair HOST` on the other asks for it.
 
-    From then on each of them may lead a show that the other one stands by for (live play --lead, --standby).
+    After that, either machine can lead a show with the other as standby (live play --lead, --standby).
     """
     import asyncio
 
@@ -42,7 +41,7 @@ def pair(
     elif forget is not None:
         if not pairings.forget(forget):
             raise PersonError(f"--forget {forget}: this machine is not paired with it", "live pair --list")
-        print(f"{forget} may not take part any more")
+        print(f"removed the pairing with {forget}")
     elif host is None:
         asyncio.run(_show(pairings, on))
     else:
@@ -55,11 +54,11 @@ def _list(pairings: "Pairings") -> None:
     for peer in peers:
         print(f"{peer.name}: {peer.fingerprint[:16]}, valid until {peer.expires:%Y-%m-%d}")
     if not peers:
-        print("paired with no machine yet")
+        print("no paired machines")
 
 
 def _identity() -> "Identity":
-    """This machine's; where its certificate has expired, another one."""
+    """Return this machine's identity; renew it if its certificate has expired."""
     import datetime
 
     from live.supervisor.network.identity import load_identity, renew_identity
@@ -67,7 +66,7 @@ def _identity() -> "Identity":
     identity = load_identity()
     if identity.as_peer().expires > datetime.datetime.now(datetime.UTC):
         return identity
-    print("this machine's certificate had expired and is another one now: pair it with every other machine anew")
+    print("this machine's certificate had expired and was renewed: pair it with every other machine again")
     return renew_identity()
 
 
@@ -87,7 +86,7 @@ async def _show(pairings: "Pairings", on: str | None) -> None:
     peer = await shown.run(host, port, within=60.0 * MINUTES)
     print(f"paired with {peer.name} ({peer.fingerprint[:16]})")
     if shown.wrong:
-        print(f"note: a wrong phrase was typed or guessed before ({shown.wrong})")
+        print(f"note: wrong phrases were entered before ({shown.wrong})")
 
 
 def _ask(pairings: "Pairings", there: str) -> None:

@@ -1,4 +1,4 @@
-"""`live render`: the same show, offline and deterministic, as a film."""
+"""Command `live render`: renders a show offline and deterministically to a film."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,33 +15,31 @@ def render(
     audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
     midi_file: Annotated[
         Path | None,
-        typer.Option(help="A MIDI file that leads the beat, as `live play` takes it.", metavar="FILE.mid"),
+        typer.Option(help="A MIDI file to take beats from, as in `live play`.", metavar="FILE.mid"),
     ] = None,
     bpm: Annotated[float | None, typer.Option(help="No music: the internal clock at this tempo.")] = None,
     size: Annotated[str, typer.Option(help="Width and height in pixels.", metavar="WxH")] = "1280x720",
     fps: Annotated[str, typer.Option(help="Frames per second: 25, 59.94, 24000/1001.", metavar="N")] = "60",
     seconds: Annotated[float | None, typer.Option(help="Length. Default: the music's, or 60 s without music.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in the show.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Random seed of the show.")] = None,
     steps: Annotated[
-        Path | None, typer.Option(help="Dance the recordings of this folder instead.", file_okay=False)
+        Path | None, typer.Option(help="Use the recordings of this folder instead.", file_okay=False)
     ] = None,
-    fine: Annotated[
-        bool, typer.Option("--fine", help="Draw as a graphics card would even without one; this takes its time.")
-    ] = False,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw at GPU quality even without a GPU; slow.")] = False,
     alpha: Annotated[
         bool,
-        typer.Option("--alpha", help="The dancers without their stage, on nothing (.mov, .mkv, PNG); drawn as --fine."),
+        typer.Option("--alpha", help="The dancers on a transparent background (.mov, .mkv, PNG); implies --fine."),
     ] = False,
     guides: Annotated[
         bool,
-        typer.Option("--guides", help="Draw where each dancer's agent is, where she is sent, which feet are held."),
+        typer.Option("--guides", help="Draw each dancer's agent, its target, and locked feet."),
     ] = False,
     click: Annotated[bool | None, typer.Option(help="A click on every beat. Default: as the patch says.")] = None,
     taps: Annotated[bool | None, typer.Option(help="Tap shoes on all feet. Default: as the patch says.")] = None,
     journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
-    report: Annotated[Path | None, typer.Option(help="Write figures of what was danced as JSON.")] = None,
+    report: Annotated[Path | None, typer.Option(help="Write motion figures as JSON.")] = None,
 ) -> None:
-    """Render a show to a film: picture and sound, bit by bit the same each time."""
+    """Render a show to a film with sound, bit-identical each time."""
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
@@ -56,7 +54,7 @@ def render(
         writable_file(path, name)
     film = film_name(out, "--out", alpha=alpha, never=[audio, patch])
     console = Console(stderr=True, highlight=False)
-    warm_kernels(console)  # before anything is imported that has kernels
+    warm_kernels(console)  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.app.offline.film import film_show
     from live.app.session_audio import choose_sound
@@ -74,4 +72,4 @@ def render(
         options, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
         click=click, taps=taps, alpha=alpha,
     )  # fmt: skip
-    console.print(f"the film is here: {film.resolve()}", soft_wrap=True, markup=False)
+    console.print(f"film written: {film.resolve()}", soft_wrap=True, markup=False)

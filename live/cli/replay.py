@@ -1,4 +1,4 @@
-"""`live replay`: run a journal again, compare the state of every measure, and film it if asked for."""
+"""Command `live replay`: replays a journal, compares the state of every measure, and can render it to a film."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,26 +13,27 @@ if TYPE_CHECKING:
 def replay(
     journal: Annotated[Path, typer.Argument(help="A journal written by --journal.")],
     verify: Annotated[
-        bool, typer.Option("--verify", help="Exit 1 unless every measure's state is the same, bit for bit.")
+        bool, typer.Option("--verify", help="Exit 1 unless the state of every measure is bit-identical.")
     ] = False,
     first: Annotated[
         int, typer.Option("--from", min=1, help="Begin with this measure, from the snapshot before it.", metavar="N")
     ] = 1,
     last: Annotated[int | None, typer.Option("--to", min=1, help="End with this measure.", metavar="N")] = None,
     render: Annotated[
-        Path | None, typer.Option(help="Film it, with its sound (.mp4, .mov, .mkv, or a folder).", metavar="FILE")
+        Path | None, typer.Option(help="Render a film with sound (.mp4, .mov, .mkv, or a folder).", metavar="FILE")
     ] = None,
     size: Annotated[str, typer.Option(help="Size of the film.", metavar="WxH")] = "1920x1080",
     fps: Annotated[str, typer.Option(help="Frames per second of the film: 25, 59.94, 24000/1001.", metavar="N")] = "60",
-    fine: Annotated[
-        bool, typer.Option("--fine", help="Film as a graphics card would draw it even without one.")
-    ] = False,
+    fine: Annotated[bool, typer.Option("--fine", help="Render at GPU quality even without a GPU.")] = False,
     alpha: Annotated[
-        bool, typer.Option("--alpha", help="Film the dancers without their stage, on nothing (.mov, .mkv, PNG).")
+        bool,
+        typer.Option(
+            "--alpha", help="Film the dancers without the stage, on a transparent background (.mov, .mkv, PNG)."
+        ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Replay a journal as fast as the machine can, and compare the state hash of every measure."""
+    """Replay a journal as fast as possible, and compare the state hash of every measure."""
     import json
     import time
 
@@ -48,8 +49,8 @@ def replay(
     if render is not None:
         render = film_name(render, "--render", alpha=alpha, never=[str(journal)])
     if last is not None and last < first:
-        raise PersonError(f"--from {first} --to {last}: the first measure comes last")
-    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+        raise PersonError(f"--from {first} --to {last}: the first measure is after the last")
+    warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.clock.ticks import TICK
     from live.show.journal.journal_reader import JournalError, read_journal
     from live.show.journal.replay import ReplayError, loaded_by, run_from, start_before
@@ -69,7 +70,7 @@ def replay(
         result = film_replay(
             start, recorded, loaded, render, picture, rate, first=first, to=last, fine=fine, alpha=alpha
         )
-        console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
+        console.print(f"film written: {render.resolve()}", soft_wrap=True, markup=False)
     else:
         result = run_from(start, recorded, loaded=loaded, to=last)
     result.problems[:0] = problems
@@ -79,7 +80,7 @@ def replay(
     else:
         _tell(recorded, result, (result.ticks - result.begun) * TICK / max(seconds, 1e-9))
     if verify and not result.measures:
-        raise PersonError(f"{journal}: nothing to compare: no measure was finished in it")
+        raise PersonError(f"{journal}: nothing to compare: it has no complete measure")
     if verify and (result.different or result.problems):
         raise typer.Exit(1)
 
@@ -112,14 +113,14 @@ def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
     end = "" if journal.complete else " (the journal was cut off)"
     console.print(
         f"{(result.ticks - result.begun) * TICK:.1f} s, {result.measures} measures compared, {result.different} "
-        f"differ{end}; {speed:.{0 if speed >= 10 else 2}f} times as fast as life"
+        f"differ{end}; {speed:.{0 if speed >= 10 else 2}f} times real time"
     )
     for measure, tick, then, now in result.differences[:10]:
-        console.print(f"  measure {measure}, tick {tick}: {then} then, {now} now")
+        console.print(f"  measure {measure}, tick {tick}: {then} recorded, {now} replayed")
     for before, after in result.lacking[:10]:
-        console.print(f"  measures {before} to {after} lack, and are not compared", style="yellow")
+        console.print(f"  measures {before} to {after} are missing and were not compared", style="yellow")
     if result.failed:
-        console.print(f"  {result.failed} events ended in an error and were refused, as in the show", style="yellow")
+        console.print(f"  {result.failed} events were rejected with an error, as in the show", style="yellow")
     for problem in result.problems[:10]:
         console.print(f"  {problem}", style="yellow", soft_wrap=True, markup=False)
     if len(result.problems) > 10:

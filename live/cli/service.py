@@ -1,4 +1,4 @@
-"""`live service install | uninstall | stop | status`: a show that the user's systemd starts, and starts again."""
+"""Commands `live service install | uninstall | stop | status`: a show run and restarted by the user's systemd."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -6,24 +6,25 @@ from typing import Annotated, Any
 import typer
 
 app = typer.Typer(
-    help="Have systemd play a show (Linux): begun with the machine or the session, begun again whatever ends it.",
+    help="Run a show with systemd (Linux): started with the machine or the session, restarted whenever it ends.",
     no_args_is_help=True,
 )
 Name = Annotated[str, typer.Argument(help="The service's name, as `live service status` lists it.")]
 TAKES_ARGUMENTS = {"allow_extra_args": True, "ignore_unknown_options": True}
 REFUSED = ("--alone", "--record", "--shaders", "--service")
-"""Options with which nobody would watch over the show."""
+"""Options of `live play` that run a show without a supervisor."""
 
 
 @app.command("install", context_settings=TAKES_ARGUMENTS)
 def install(
     context: typer.Context,
     name: Annotated[str | None, typer.Option(help="The service's name. Default: the patch's.")] = None,
-    now: Annotated[bool, typer.Option("--now", help="Start it at once.")] = False,
+    now: Annotated[bool, typer.Option("--now", help="Start it now.")] = False,
 ) -> None:
-    """Write the unit, and have it started with the session: live service install my_show --headless …
+    """Write the unit and enable it for the session: live service install my_show --headless …
 
-    What follows is what `live play` takes. Without --journal the show gets one, for a service goes on where it ended.
+    The arguments are those of `live play`. Without --journal the show gets a journal, since a restarted service resumes
+    from it.
     """
     import os
 
@@ -53,20 +54,20 @@ def install(
     for words in (["daemon-reload"], begin):
         if (problem := _systemctl(*words)) is not None:
             console.print(
-                f"not done: systemctl --user {' '.join(words)}: {problem}", style="yellow", soft_wrap=True, markup=False
+                f"failed: systemctl --user {' '.join(words)}: {problem}", style="yellow", soft_wrap=True, markup=False
             )
     if not now:
         console.print(f"to start it now: systemctl --user start {service.unit}", soft_wrap=True, markup=False)
     if not _lingers():
         console.print(
-            "it ends when you log out; for one that begins with the machine and stays: loginctl enable-linger",
+            "it ends when you log out; to start it with the machine and keep it running: loginctl enable-linger",
             soft_wrap=True, markup=False,
         )  # fmt: skip
 
 
 @app.command("uninstall")
 def uninstall(name: Name) -> None:
-    """End the show, and take its unit away; the journal stays."""
+    """End the show and remove its unit; the journal is kept."""
     from rich.console import Console
 
     from live.app.systemd_unit import unit_name, units_folder
@@ -84,7 +85,7 @@ def uninstall(name: Name) -> None:
 
 @app.command("stop")
 def stop(name: Name) -> None:
-    """End the show: its service, and an engine that dances without a supervisor."""
+    """End the show: its service, and any engine that runs without a supervisor."""
     from rich.console import Console
 
     from live.app.systemd_unit import check_name
@@ -92,14 +93,14 @@ def stop(name: Name) -> None:
     ended, problem = _end(check_name(name))
     console = Console(highlight=False)
     for pid in ended:
-        console.print(f"an engine that danced alone ends (process {pid})")
+        console.print(f"ended an engine without a supervisor (process {pid})")
     if problem is not None:
         console.print(f"systemctl --user stop: {problem}", style="yellow", markup=False)
 
 
 @app.command("status")
 def status() -> None:
-    """The services there are, whether they run, how often they were begun again, and whether they outlive a logout."""
+    """List the services, with their state, number of restarts, and whether they outlive a logout."""
     from rich.console import Console
 
     from live.app.systemd_unit import units_folder
@@ -111,12 +112,12 @@ def status() -> None:
         console.print(f"{name}: {_state(path.name)}", soft_wrap=True, markup=False)
     if not found:
         console.print(f"no service in {units_folder()}; live service install [PLAY ARGUMENTS]", markup=False)
-    lingers = "begin with the machine and outlive a logout" if _lingers() else "end with the session"
+    lingers = "start with the machine and outlive a logout" if _lingers() else "end with the session"
     console.print(f"services of this user {lingers} (loginctl enable-linger, disable-linger)", soft_wrap=True)
 
 
 def _read(arguments: list[str]) -> dict[str, Any]:
-    """What `live play` would make of these arguments; PersonError if it would refuse them."""
+    """Return the parameters that `live play` would parse from these arguments; raise PersonError if it would fail."""
     import click
 
     from live.base.errors import PersonError
@@ -126,17 +127,17 @@ def _read(arguments: list[str]) -> dict[str, Any]:
     one.command()(play)
     for option in REFUSED:
         if any(each == option or each.startswith(f"{option}=") for each in arguments):
-            raise PersonError(f"{option} is not for a service", "leave it out")
+            raise PersonError(f"{option} cannot be used with a service", "leave it out")
     try:
         return typer.main.get_command(one).make_context("live play", list(arguments)).params
     except click.exceptions.Exit:
         raise PersonError("--help: nothing to install", "live play --help") from None
     except click.ClickException as error:
-        raise PersonError(f"live play would refuse this: {error.format_message()}", "live play --help") from None
+        raise PersonError(f"live play rejects these arguments: {error.format_message()}", "live play --help") from None
 
 
 def _end(name: str) -> tuple[list[int], str | None]:
-    """End the service, then an engine that is left; the processes of those, and why systemd could not."""
+    """Stop the service, then any remaining engines; return their process ids, and systemd's error or None."""
     from live.app.processes.engine_main import service_label
     from live.app.systemd_unit import unit_name
     from live.supervisor.adoption.adoption import end_engines
@@ -146,7 +147,7 @@ def _end(name: str) -> tuple[list[int], str | None]:
 
 
 def _systemctl(*words: str) -> str | None:
-    """Ask the user's systemd; None if it did so, else why not."""
+    """Run a command of the user's systemd; return None, or the error."""
     import subprocess
 
     try:
@@ -172,11 +173,11 @@ def _state(unit: str) -> str:
     if done.returncode or "ActiveState" not in told:
         return "installed; systemd does not answer here"
     process = f", process {told['MainPID']}" if told.get("MainPID", "0") != "0" else ""
-    return f"{told['ActiveState']} ({told.get('SubState')}){process}, begun again {told.get('NRestarts', '0')} times"
+    return f"{told['ActiveState']} ({told.get('SubState')}){process}, restarted {told.get('NRestarts', '0')} times"
 
 
 def _systemd() -> int:
-    """The version of systemd; 0 if there is none."""
+    """Return the version of systemd; 0 if there is none."""
     import re
     import subprocess
 

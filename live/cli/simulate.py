@@ -1,7 +1,4 @@
-"""`live simulate`: avoidance alone, on anybody's scenario.
-
-`live sim`: a made-up band and made-up phones, for rehearsing a show without people.
-"""
+"""Commands `live simulate` and `live sim`: collision avoidance on a scenario; simulated band and phones for a show."""
 
 import io
 import json
@@ -19,21 +16,23 @@ if TYPE_CHECKING:
 
 
 MOST_NUMBERS = 1 << 25
-"""Coordinates that a run may have in all: a quarter of a gigabyte."""
+"""Maximum number of coordinates of a run: a quarter of a gigabyte."""
 
 
 def simulate(
-    scenario: Annotated[Path, typer.Argument(help="A scenario (JSON), or the name of one of ours, as circle-50.")],
+    scenario: Annotated[
+        Path, typer.Argument(help="A scenario (JSON), or the name of a built-in one such as circle-50.")
+    ],
     out: Annotated[Path | None, typer.Option(help="Write time, position and arrived (npz).")] = None,
     avoidance: Annotated[
         Literal["predictive", "thesis"],
-        typer.Option(help="How agents avoid each other: by time to collision, or by the two distances of the thesis."),
+        typer.Option(help="Collision avoidance: by time to collision, or by the two distances of the thesis."),
     ] = "predictive",
-    seed: Annotated[int, typer.Option(help="Seed of all chance.", min=0, max=2**31 - 1)] = 0,
-    svg: Annotated[Path | None, typer.Option(help="Draw everybody's way (SVG).")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what was measured as JSON.")] = False,
+    seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 0,
+    svg: Annotated[Path | None, typer.Option(help="Draw all paths (SVG).")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the metrics as JSON.")] = False,
 ) -> None:
-    """Let agents go from their places to their goals without bumping into each other."""
+    """Simulate agents that go from their start positions to their goals without collisions."""
     import numpy as np
 
     from live.agents.scenarios.metrics import measure
@@ -45,7 +44,7 @@ def simulate(
     wanted = read(scenario, seed)
     samples = ticks_in(wanted.duration) + 1
     if 2 * samples * wanted.agent_count > MOST_NUMBERS:
-        what = f"{scenario}: duration: {wanted.agent_count:,} agents at {samples:,} ticks are too much to keep"
+        what = f"{scenario}: duration: {wanted.agent_count:,} agents at {samples:,} ticks need too much memory"
         raise PersonError(what, f"give at most {MOST_NUMBERS // (128 * wanted.agent_count)} s, or fewer agents")
     time, position, arrived = run(wanted, avoidance=avoidance, seed=seed)
     if out is not None:
@@ -58,7 +57,7 @@ def simulate(
 
 
 def read(path: Path, seed: int = 0) -> "Scenario":
-    """The scenario in a file, or the one of ours that is so called; PersonError where there is neither."""
+    """Return the scenario in a file, or the built-in one of that name; raise PersonError if there is neither."""
     from live.agents.scenarios.generate import SCENARIOS
     from live.agents.scenarios.reading import MOST_BYTES, read_scenario, unread_fields
 
@@ -73,12 +72,12 @@ def read(path: Path, seed: int = 0) -> "Scenario":
         raise PersonError(f"{path}: cannot be read: {error.strerror}", remedy) from None
     scenario = read_scenario(text, str(path))
     for name in unread_fields(text):
-        typer.echo(f"{path}: {name!r} means nothing in a scenario", err=True)
+        typer.echo(f"{path}: unknown key {name!r} ignored", err=True)
     return scenario
 
 
 def show(metrics: "Metrics", as_json: bool) -> None:
-    """Print the figures of a run."""
+    """Print the metrics of a run."""
     figures = metrics.as_json()
     if as_json:
         print(json.dumps(figures))
@@ -88,27 +87,30 @@ def show(metrics: "Metrics", as_json: bool) -> None:
 
 
 def sim(
-    patch: Annotated[str | None, typer.Argument(help="The patch that is played. Default: the first show.")] = None,
+    patch: Annotated[str | None, typer.Argument(help="The patch of the show. Default: the first show.")] = None,
     osc: Annotated[str, typer.Option(help="Where the show receives OSC.", metavar="HOST:PORT")] = "127.0.0.1:9010",
-    phones: Annotated[int, typer.Option(min=0, max=10000, help="People with phones; 0: none.")] = 8,
-    rate: Annotated[float, typer.Option(help="What each of them does in a minute.")] = 6.0,
-    role: Annotated[str, typer.Option(help="The most they may do.", metavar="audience|musician|operator")] = "audience",
-    nonsense: Annotated[float, typer.Option(help="Share of messages that make no sense.", metavar="0-1")] = 0.02,
+    phones: Annotated[int, typer.Option(min=0, max=10000, help="Number of phones.")] = 8,
+    rate: Annotated[float, typer.Option(help="Actions per phone and minute.")] = 6.0,
+    role: Annotated[str, typer.Option(help="Role of the phones.", metavar="audience|musician|operator")] = "audience",
+    nonsense: Annotated[float, typer.Option(help="Share of invalid messages.", metavar="0-1")] = 0.02,
     midi: Annotated[
-        str | None, typer.Option(help="Play the band as MIDI clock to this port (see `live devices`).", metavar="NAME")
+        str | None, typer.Option(help="Send the band as MIDI clock to this port (see `live devices`).", metavar="NAME")
     ] = None,
     audio: Annotated[
         Path | None,
-        typer.Option(help="Write the band as a sound, for `live play --audio`, and end.", metavar="FILE.wav"),
+        typer.Option(help="Only write the band as a sound file for `live play --audio`.", metavar="FILE.wav"),
     ] = None,
-    bpm: Annotated[float | None, typer.Option(help="The band's tempo to begin with. Default: the patch's.")] = None,
+    bpm: Annotated[float | None, typer.Option(help="The band's initial tempo. Default: the patch's.")] = None,
     unruly: Annotated[
-        float, typer.Option(help="How often the band stops, fills, loses the one, leaps; 0: never.", metavar="0-20")
+        float,
+        typer.Option(
+            help="How often the band stops, plays fills, loses the downbeat or changes tempo; 0: never.", metavar="0-20"
+        ),
     ] = 1.0,
-    seconds: Annotated[float, typer.Option(help="How long.")] = 3600.0,
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of everybody.")] = 0,
+    seconds: Annotated[float, typer.Option(help="Duration.")] = 3600.0,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Random seed.")] = 0,
 ) -> None:
-    """Play to a show that runs elsewhere: a band that drifts, stops and gets lost, and people with phones."""
+    """Send to a running show: a simulated band that drifts, stops and gets lost, and simulated phones."""
     import threading
     import time
 
@@ -119,8 +121,8 @@ def sim(
     from live.base.errors import PersonError
     from live.show.patch.patch_search_path import find_patch
 
-    find_patch(patch)  # a name that nobody knows is told before seconds of loading
-    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    find_patch(patch)  # reports an unknown name before seconds of loading
+    warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.rehearse.network_sender import Outlet, packets, pulses, send_all
     from live.rehearse.simulated_players import FakePlayers, Words
     from live.show.loader import load_show
@@ -180,13 +182,13 @@ def _write(path: Path, band: "FakeBand", seconds: float, seed: int, console: Any
     from live.rehearse.simulated_band import sound_of, write_sound
 
     if seconds > 7200.0:
-        raise PersonError(f"--seconds {seconds:g}: a sound of at most two hours", "--seconds 600")
+        raise PersonError(f"--seconds {seconds:g}: a sound file has at most two hours", "--seconds 600")
     try:
         write_sound(path, sound_of(band, seconds, seed=seed))
     except OSError as error:
         raise PersonError(f"cannot write --audio {path}: {error.strerror}") from None
-    did = ", ".join(f"{count} × {what}" for what, count in band.did.items() if count) or "nothing it should not"
-    console.print(f"the band is here: {path.resolve()} ({did})", soft_wrap=True, markup=False)
+    did = ", ".join(f"{count} × {what}" for what, count in band.did.items() if count) or "no irregularities"
+    console.print(f"band written: {path.resolve()} ({did})", soft_wrap=True, markup=False)
 
 
 def _open(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""`live soak`: hours of a show with a made-up band, players and faults; in virtual time, or minutes of it for real."""
+"""Command `live soak`: soak test of a show with a simulated band, phones and faults, in virtual or real time."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,46 +12,49 @@ def soak(
         bool | None,
         typer.Option(
             "--virtual/--real",
-            help="As fast as the machine can, or in real time without a window (usual with --chaos).",
+            help="As fast as possible, or in real time without a window (default with --chaos).",
             show_default=False,
         ),
     ] = None,
     chaos: Annotated[
-        bool, typer.Option("--chaos", help="Break the program itself: exceptions in ticks, kills, full disks ...")
+        bool,
+        typer.Option(
+            "--chaos", help="Inject faults into the program: exceptions in ticks, killed processes, full disks ..."
+        ),
     ] = False,
-    every: Annotated[bool, typer.Option("--all", help="All patches of the project.")] = False,
-    hours: Annotated[float | None, typer.Option(help="How long the show is. Default: 1 hour.")] = None,
+    every: Annotated[bool, typer.Option("--all", help="All built-in patches.")] = False,
+    hours: Annotated[float | None, typer.Option(help="Length of the show. Default: 1 hour.")] = None,
     minutes: Annotated[float | None, typer.Option(help="The same in minutes.")] = None,
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of band, players, faults and show.")] = 0,
-    seeds: Annotated[int, typer.Option(min=1, max=1000, help="So many seeds from that one on.")] = 1,
-    players: Annotated[int, typer.Option(min=0, max=1000, help="People with phones.")] = 8,
-    faults: Annotated[float, typer.Option(help="How often things go wrong; 1: about once a minute, 0: never.")] = 1.0,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Random seed of band, phones, faults and show.")] = 0,
+    seeds: Annotated[int, typer.Option(min=1, max=1000, help="Number of consecutive seeds, from --seed.")] = 1,
+    players: Annotated[int, typer.Option(min=0, max=1000, help="Number of phones.")] = 8,
+    faults: Annotated[float, typer.Option(help="Frequency of faults; 1: about once a minute, 0: never.")] = 1.0,
     sites: Annotated[
-        int, typer.Option(min=0, help="With --chaos --virtual: so many call sites of the tick, drawn. Default: all.")
+        int, typer.Option(min=0, help="With --chaos --virtual: number of random call sites of the tick. Default: all.")
     ] = 0,
-    fps: Annotated[float | None, typer.Option(help="Frames per second. Default: 16, in real time 60.")] = None,
-    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Replay its journal and compare.")] = True,
+    fps: Annotated[float | None, typer.Option(help="Frames per second. Default: 16; in real time 60.")] = None,
+    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Replay the journal and compare.")] = True,
     minimise: Annotated[
         Path | None,
-        typer.Option(help="Make a short journal of one that fails, and nothing else.", metavar="JOURNAL"),
+        typer.Option(help="Only shorten a journal that fails.", metavar="JOURNAL"),
     ] = None,
     to: Annotated[
-        Path | None, typer.Option(help="Where the short journal is written.", dir_okay=False, metavar="FILE.jsonl")
+        Path | None, typer.Option(help="Write the short journal here.", dir_okay=False, metavar="FILE.jsonl")
     ] = None,
     folder: Annotated[
         Path | None,
         typer.Option(
-            help="Keep journals here; several runs go on from where they were.", file_okay=False, metavar="DIR"
+            help="Keep journals here; an interrupted campaign resumes from it.", file_okay=False, metavar="DIR"
         ),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write the report here, as JSON.", metavar="FILE.json")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
-    """Let a show run through everything that may happen to it, and say what went wrong; exit 1 if anything did.
+    """Run a show under simulated faults and report what failed; exit 1 if anything did.
 
-    Sources lost, floods of messages, edits of the patch good and bad, devices that go, tempi that jump. What must
-    not happen: an exception, a value that is no number, a measure missed or danced twice, memory that grows, a
-    journal that replays otherwise. With --chaos the program's own processes, disk and code fail as well.
+    Faults: lost sources, message floods, valid and invalid patch edits, lost devices, tempo jumps. Failures: an
+    exception, a NaN or infinite value, a missed or repeated measure, growing memory, a journal whose replay differs.
+    With --chaos, the program's processes, disk and code fail as well.
     """
     from rich.console import Console
 
@@ -76,7 +79,7 @@ def soak(
     parse_number(fps, "--fps", 1.0, 480.0)
     writable_file(report, "--report")
     if hours is not None and minutes is not None:
-        raise PersonError("--hours and --minutes say the same", "give one of them")
+        raise PersonError("--hours and --minutes exclude each other", "give one of them")
     length = hours if hours is not None else 1.0 if minutes is None else minutes / 60.0
     console = Console(stderr=True, highlight=False)
     paths = patches_of(patch, every=every)
@@ -101,7 +104,7 @@ def soak(
 
 
 def _end(facts: dict[str, Any], report: Path | None, as_json: bool, tell: Any) -> None:
-    """The report, as it is wanted, and the exit code."""
+    """Write and print the report; exit 1 if the run failed."""
     import json
 
     text = json.dumps(facts, indent=1)

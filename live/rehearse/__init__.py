@@ -1,4 +1,4 @@
-"""Rehearsal without people: a made-up band, players and phones, faults, long runs, warnings about scores.
+"""Tests of a show without people: simulated band and players, fault injection, soak tests, lint for scores.
 
 It may import `supervisor` and everything below it.
 """

@@ -1,8 +1,7 @@
-"""Campaign: many runs, one after another, each of a patch and a seed; what is done stays done when it is begun again.
+"""Test campaign: many runs in sequence, each of a patch and a seed; resumable.
 
-A state file in the folder of the campaign says what came of each run. It is written anew after each, whole or not at
-all. A run that meets an exception of the harness itself is one that failed, with the exception in its report; the
-campaign goes on with the next.
+A state file in the folder of the campaign holds the result of each run. It is replaced atomically after each run. An
+exception of the test harness counts as a failed run, with the exception in its report; the campaign then continues.
 """
 
 import json
@@ -18,7 +17,7 @@ from live.rehearse.failure import Failure
 STATE: Final = "campaign.json"
 """The state file, in the campaign's folder."""
 PROBLEMS_TOLD: Final = 8
-"""Problems of one run that are told; the report as JSON has all that were kept."""
+"""Maximum number of problems listed for one run; the JSON report has all that were kept."""
 
 Facts = dict[str, Any]
 
@@ -28,27 +27,27 @@ class Job:
     """One run of a campaign."""
 
     name: str
-    """A patch and a seed, as a folder may be called."""
+    """Patch and seed, usable as a folder name."""
     run: Callable[[Path], Facts]
-    """Runs it with its files in that folder; the facts have "ok", "problems" and "summary" (lines for people)."""
+    """Runs the job with its files in that folder; the facts have "ok", "problems" and "summary" (lines for people)."""
 
 
 class Campaign:
     """Runs jobs. Thread: one."""
 
     def __init__(self, folder: Path, plan: Facts, tell: Callable[[str], None] = lambda words: None) -> None:
-        """`plan`: what is run, in plain values; a folder that holds the state of another plan is a PersonError."""
+        """`plan`: the options, in plain values. Raises PersonError if `folder` holds the state of another plan."""
         self._folder, self._plan, self._tell = folder, plan, tell
         folder.mkdir(parents=True, exist_ok=True)
         self._path = folder / STATE
         self.done: dict[str, Facts] = self._read()
-        """What came of the runs that are over, by name."""
+        """Results of the completed runs, by name."""
 
     def run(self, jobs: Sequence[Job]) -> Facts:
-        """Run those that are not done yet; the report of all."""
+        """Run the jobs that are not done yet; return the report of all."""
         for number, job in enumerate(jobs, 1):
             if job.name in self.done:
-                self._tell(f"{job.name}: done already")
+                self._tell(f"{job.name}: already done")
                 continue
             self._tell(f"{job.name} ({number} of {len(jobs)})")
             self.done[job.name] = guarded(job, self._folder / job.name)
@@ -56,7 +55,7 @@ class Campaign:
         return self.report([job.name for job in jobs])
 
     def report(self, names: Sequence[str]) -> Facts:
-        """What is known of these runs by now."""
+        """Return the report of these runs, as far as they are done."""
         runs = {name: self.done[name] for name in names if name in self.done}
         missing = [name for name in names if name not in runs]
         ok = not missing and all(facts.get("ok") for facts in runs.values())
@@ -70,9 +69,9 @@ class Campaign:
         except FileNotFoundError:
             return {}
         except (OSError, ValueError, KeyError, TypeError):
-            raise PersonError(f"{self._path} is no state of a campaign", "name another --folder") from None
+            raise PersonError(f"{self._path} is not a campaign state file", "give another --folder") from None
         if plan != json.loads(json.dumps(self._plan)):
-            raise PersonError(f"{self._path} is of a campaign with other options", "name another --folder")
+            raise PersonError(f"{self._path} belongs to a campaign with other options", "give another --folder")
         return done
 
     def _write(self) -> None:
@@ -82,7 +81,7 @@ class Campaign:
 
 
 def guarded(job: Job, folder: Path) -> Facts:
-    """What comes of a job, whatever it is: an exception of the harness is a problem in its report."""
+    """Run a job and return its result. An exception of the test harness becomes a problem in the result."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         return job.run(folder)
@@ -95,7 +94,7 @@ def guarded(job: Job, folder: Path) -> Facts:
 
 
 def lines_of(report: Facts) -> Iterator[str]:
-    """A campaign's report for people: a line for each run, and under it what went wrong."""
+    """Yield a campaign's report for people: a line for each run, followed by its problems."""
     runs = report["runs"]
     for name, facts in runs.items():
         summary = "; ".join(facts.get("summary", ()))
@@ -108,7 +107,7 @@ def lines_of(report: Facts) -> Iterator[str]:
 
 
 def problem_lines(facts: Facts, indent: str = "     ") -> Iterator[str]:
-    """What went wrong in one run, the first of it, each in a line."""
+    """Yield the first problems of one run, one line each."""
     problems = [" ".join(str(problem).split()) for problem in facts.get("problems", ())]
     problems += [" ".join(str(problem).split()) for problem in facts.get("replay", {}).get("problems", ())]
     for problem in problems[:PROBLEMS_TOLD]:

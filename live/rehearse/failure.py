@@ -1,4 +1,4 @@
-"""Failure: what went wrong in a run, in a line that a person can read, and by what it is known again."""
+"""Failure of a run: an exception with its place in the code, comparable between runs."""
 
 import traceback
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ from types import TracebackType
 from typing import Any, Final
 
 OURS: Final = Path(__file__).parents[1]
-"""The folder of the program: of a traceback its deepest place in there is told."""
+"""The folder of the program: the deepest place of a traceback in it is reported."""
 DIFFERENT: Final = "different state"
-"""The kind of a failure that is no exception: the same events led to another state."""
+"""The kind of a failure without exception: the same events led to another state."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,25 +19,25 @@ class Failure:
     kind: str
     """Class of the exception, or DIFFERENT."""
     words: str
-    """What it says."""
+    """The message."""
     place: str = ""
-    """File (from the program's folder) and function of the deepest place in the program: these stay when lines move."""
+    """File (from the program's folder) and function of the deepest place in the program; unaffected by line numbers."""
     line: int = 0
     tick: int = -1
-    """The tick at which it happened; -1: none."""
+    """The tick of the failure; -1: none."""
     trace: str = ""
     """The whole traceback, for the report's JSON."""
 
     @classmethod
     def of(cls, error: BaseException, tick: int = -1) -> "Failure":
-        """Of an exception that was caught."""
+        """Return the failure for a caught exception."""
         place, line = deepest(error.__traceback__)
         text = "".join(traceback.format_exception(error))
         return cls(type(error).__name__, " ".join(str(error).split()), place, line, tick, text)
 
     @property
     def key(self) -> tuple[str, str]:
-        """By what it is the same failure: kind and place."""
+        """Kind and place: equal for the same failure in two runs."""
         return self.kind, self.place
 
     def __str__(self) -> str:
@@ -46,13 +46,13 @@ class Failure:
         return f"{at}{self.kind}{where}" + (f": {self.words}" if self.words else "")
 
     def facts(self) -> dict[str, Any]:
-        """For a report."""
+        """Return the fields for a report."""
         return {"kind": self.kind, "words": self.words, "place": self.place, "line": self.line, "tick": self.tick,
                 "trace": self.trace}  # fmt: skip
 
 
 def deepest(trace: TracebackType | None) -> tuple[str, int]:
-    """The deepest place of a traceback in the program, as "show/programme.py, _sequence_next", and its line."""
+    """Return the deepest place of a traceback in the program, as "show/show.py, tick", and its line."""
     place, line = "", 0
     while trace is not None:
         code = trace.tb_frame.f_code

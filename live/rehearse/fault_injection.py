@@ -1,9 +1,4 @@
-"""Faults: what goes wrong in a hall, at seeded times of the show.
-
-Edits: somebody saves the patch while the show runs: good ones, bad ones, and back to what it was.
-
-Mishaps: what each kind of fault does to a show that runs in virtual time.
-"""
+"""Fault injection for a show in virtual time: seeded schedule of faults, their effects, and edits of the patch file."""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -24,7 +19,7 @@ KINDS: Final = {
     "edit back": 0.05, "tempo jump": 0.10, "impossible beats": 0.08, "device again": 0.05, "other source": 0.08,
     "crowd of calls": 0.05, "rest": 0.05,
 }  # fmt: skip
-"""Kinds, and how often each comes in a minute."""
+"""Kinds of faults, and their rates per minute."""
 
 
 class Fault(NamedTuple):
@@ -34,11 +29,11 @@ class Fault(NamedTuple):
     """When [s of the show]."""
     kind: str
     size: float
-    """How bad it is, 0 to 1."""
+    """Severity, 0 to 1."""
 
 
 def faults(seed: int, *, rate: float = 1.0, start: float = 20.0) -> Iterator[Fault]:
-    """Fault after fault, in the order of their times, without an end; `rate`: so many times as often as KINDS says."""
+    """Yield faults in order of time, endlessly; `rate`: factor of the rates in KINDS."""
     if rate <= 0.0:
         return
     chance = np.random.default_rng([seed, FAULT_SALT])
@@ -64,20 +59,20 @@ GOOD: Final = (
     '[[element]]\nkind = "attract"\nmeasure = 1\nmeasures = 2\nat = [{a:.2f}, 0.0]\nstrength = 0.5\n',
     '[[at]]\nmeasure = 2\nbeat = 2.5\ncall = "/dance/light/level"\nvalues = [{b:.2f}, 1]\n',
 )
-"""Tables that any patch may be given; n: a number, a: 1 to 4, b: 0.1 to 0.4."""
+"""Tables that are valid in any patch; n: a number, a: 1 to 4, b: 0.1 to 0.4."""
 BAD: Final = (
     "[[element]\n", "loop_measures = -3\n", '[[group]]\nname = "x"\n', '[[segment]]\nmeasure = 1\nmeasures = -2\n',
     '[[sequence]]\nmeasure = 1\nsteps = ["no such step"]\n', "\x00\x01\x02", "[stage]\nwidth = nan\n", "ünïcode ¤ = =",
     '[[cue]]\nname = "a"\nscene = "nowhere"\n', "[locomotion]\nthreshold_m = 1e-9\n", "[" * 3000,
 )  # fmt: skip
-"""What nobody wants."""
+"""Invalid additions to a patch."""
 
 
 class Edits:
-    """A copy of a patch in a folder, which is edited."""
+    """Edits of a copy of a patch while the show runs: valid, invalid, and back to the original."""
 
     def __init__(self, path: Path, folder: Path, seed: int) -> None:
-        """`path`: the patch; it is left as it is."""
+        """`path`: the patch, which is not changed."""
         self._chance = np.random.default_rng([seed, EDIT_SALT])
         if path.name == MAIN_FILE:
             shutil.copytree(path.parent, folder, dirs_exist_ok=True)
@@ -88,17 +83,17 @@ class Edits:
         """The copy."""
         self._text = self.path.read_text(encoding="utf-8")
         self.saved = {"good": 0, "bad": 0, "back": 0}
-        """How often it was edited how."""
+        """Number of edits by kind."""
 
     def good(self) -> None:
-        """Save something that can be danced."""
+        """Save a valid edit."""
         chance = self._chance
         number, size, share = int(chance.integers(100)), chance.uniform(1.0, 4.0), chance.uniform(0.1, 0.4)
         table = GOOD[int(chance.integers(len(GOOD)))].format(n=number, a=float(size), b=float(share))
         self._save("good", f"{self._text}\n{table}")
 
     def bad(self) -> None:
-        """Save something that cannot."""
+        """Save an invalid edit."""
         chance = self._chance
         which = int(chance.integers(len(BAD) + 1))
         if which == len(BAD):
@@ -107,7 +102,7 @@ class Edits:
             self._save("bad", f"{self._text}\n{BAD[which]}")
 
     def back(self) -> None:
-        """Save what it was."""
+        """Save the original."""
         self._save("back", self._text)
 
     def _save(self, kind: str, text: str) -> None:
@@ -116,11 +111,11 @@ class Edits:
 
 
 FLOOD: Final = 6000
-"""Events of the largest flood: more than the inbox holds."""
+"""Events of the largest flood: more than the event queue holds."""
 
 
 class Mishaps:
-    """Everything that may go wrong in one soak; `stands_for` and `deaf_until` are what the others have to heed."""
+    """Executes faults in one soak test. The soak test has to apply `stands_for` and `deaf_until`."""
 
     def __init__(
         self,
@@ -134,45 +129,45 @@ class Mishaps:
         beats_per_measure: int,
         chance: np.random.Generator,
     ) -> None:
-        """`put` takes events, `call` what a player sends, `refuse` counts what is none; `calls`: what players do."""
+        """`put` accepts events, `call` calls, `refuse` counts invalid packets; `calls`: the players' calls."""
         self._put, self._call, self._refuse, self._calls = put, call, refuse, calls
         self._edits, self._band, self._beats, self._chance = edits, band, beats_per_measure, chance
         self.done: dict[str, int] = {}
-        """What has happened, by kind."""
+        """Number of faults by kind."""
         self.stands_for = 0.0
-        """The machine stands still for so long [s] before the next frame; whoever heeds it sets it back."""
+        """Stall before the next frame [s]; the reader resets it to 0."""
         self.deaf_until = 0.0
-        """Until then [s of the show] nothing is heard."""
+        """Until this time [s of the show] no music is detected."""
 
     def do(self, fault: Fault) -> None:
-        """Let a fault happen."""
+        """Execute a fault."""
         self.done[fault.kind] = self.done.get(fault.kind, 0) + 1
         FAULTS[fault.kind](self, fault)
 
     def lose_source(self, fault: Fault) -> None:
-        """The sound is gone, for up to a minute."""
+        """The audio source is lost for up to a minute."""
         self.deaf_until = fault.time + 2.0 + 60.0 * fault.size
         for time, state in ((fault.time, "lost"), (self.deaf_until, "found")):
             self._put(SourceChanged(time=time, source="audio", state=state))
 
     def stall(self, fault: Fault) -> None:
-        """The machine stands still: for a moment mostly, seldom for half a minute."""
+        """The machine stalls: mostly for a moment, rarely for half a minute."""
         self.stands_for = 0.3 + 3.0 * fault.size + (30.0 if fault.size > 0.97 else 0.0)
 
     def flood(self, fault: Fault) -> None:
-        """Thousands of messages at once."""
+        """Up to thousands of messages arrive at once."""
         for number in range(int(FLOOD * fault.size)):
             x = -4.0 + 8.0 * (number % 97) / 97.0
             self._call(Call(fault.time, "/dance/attract", [x, fault.size, 1.0, 1.0], "osc"))
 
     def crowd_of_calls(self, fault: Fault) -> None:
-        """What all players do in five minutes, within a frame."""
+        """Calls of all players from several minutes arrive within a frame."""
         for call, _ in zip(self._calls, range(int(200 * fault.size)), strict=False):
             self._call(Call(fault.time, call.address, call.values, call.source))
-        # the calls' own times have gone on: nothing is played until they are reached, as after a rush
+        # these calls are consumed from the players' stream: the next ones come only after their scheduled times
 
     def garbage(self, fault: Fault) -> None:
-        """Packets that are none."""
+        """Invalid OSC packets arrive."""
         for _ in range(20):
             packet = self._chance.bytes(int(self._chance.integers(1, 400)))
             try:
@@ -182,7 +177,7 @@ class Mishaps:
                 self._refuse("garbage")
 
     def jump_tempo(self, fault: Fault) -> None:
-        """Somebody says another tempo, or the music leaps."""
+        """The band jumps to another tempo, and a tempo, half or double call arrives."""
         bpm = 60.0 + 120.0 * fault.size
         if fault.size < 0.5:
             self._call(Call(fault.time, "/dance/clock/tempo", [bpm], "osc"))
@@ -191,7 +186,7 @@ class Mishaps:
         self._band.bpm = bpm
 
     def impossible(self, fault: Fault) -> None:
-        """A source that says what no source can."""
+        """A source sends impossible beats."""
         for value in HOSTILE:
             if isinstance(value, float | int):
                 number = float(value)
@@ -203,7 +198,7 @@ class Mishaps:
                 )
 
     def other_source(self, fault: Fault) -> None:
-        """Another clock speaks for a while, with a grid of its own; and is chosen, or not."""
+        """Another clock sends its own beat grid for a while; then a source is chosen."""
         period, source = 0.35 + 0.5 * fault.size, "midi"
         self._put(SourceChanged(time=fault.time, source=source, state="started"))
         for beat in range(16):
@@ -225,11 +220,11 @@ class Mishaps:
         self._call(Call(fault.time, "/dance/clock/source", [choice], "osc"))
 
     def restart_device(self, fault: Fault) -> None:
-        """Sound is opened again."""
+        """The audio device is opened again."""
         self._put(RestartAudio(time=fault.time, source="key"))
 
     def rest(self, fault: Fault) -> None:
-        """Everything is set back: what players of an hour have done does not pile up for ever."""
+        """Controls are reset, so that the effects of calls do not accumulate for ever."""
         for address, values in (
             ("/dance/clear", []), ("/dance/blackout", [0]), ("/dance/hold", [0]), ("/dance/hold/score", [0]),
             ("/dance/practice", []), ("/dance/clock/hold", [0]), ("/dance/clock/source", ["auto"]),
@@ -253,4 +248,4 @@ FAULTS: Final[dict[str, Callable[[Mishaps, Fault], None]]] = {
     "crowd of calls": Mishaps.crowd_of_calls,
     "rest": Mishaps.rest,
 }
-"""What each kind of fault does."""
+"""Handlers by kind of fault."""

@@ -1,6 +1,6 @@
-"""Watching: a journal that looks at the show after every tick, and says what must never happen.
+"""Invariant checks for long runs: after every tick by a checking journal writer, and by replay of the journal.
 
-Proving: the journal of a long run is replayed, from its start and from snapshots; states must be the same.
+The replay starts from the beginning and from snapshots; states have to be the same.
 """
 
 import math
@@ -21,28 +21,28 @@ from live.show.journal.replay import ReplayError, first_start, loaded_by, run_fr
 from live.show.show import Show
 
 PICTURED: Final = ("joint_position", "joint_rotation", "element_position", "element_level", "element_corner", "picture")
-"""What of a picture is looked at."""
+"""Checked arrays of the snapshot for drawing."""
 BACK: Final = 1e-6
-"""Danced beats that rounding may take back."""
+"""Tolerance for rounding in the monotonicity check of danced beats."""
 MOST: Final = 50
-"""Problems that are kept in words; all are counted."""
+"""Maximum number of stored problems; all are counted."""
 
 
 class Watching(JournalWriter):
-    """A `JournalWriter` that counts measure lines, and values that are no numbers."""
+    """A `JournalWriter` that checks measures, and that all values are finite."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self.problems: list[str] = []
-        """The first of what went wrong."""
+        """The first problems."""
         self.count = 0
-        """How much went wrong."""
+        """Number of problems."""
         self.lines = 0
-        """Measure lines crossed."""
+        """Number of measure lines crossed."""
         self.leapt = 0
-        """Measures that fell into ticks which the machine left out."""
+        """Number of measures in skipped ticks."""
         self.told: dict[str, int] = {}
-        """Events by kind."""
+        """Number of events by kind."""
         self._measure: int | None = None
         self._danced = -math.inf
         self._skipped = 0.0
@@ -56,18 +56,18 @@ class Watching(JournalWriter):
         super().event(tick, event)
 
     def keep(self, show: Show, tick: int, *, begins: bool) -> None:
-        """To be called after each tick."""
+        """Check the show after a tick; called after each one."""
         self._measures(show, tick, begins)
         state = show.state
         for name in ("position", "velocity", "acceleration"):
             if not np.isfinite(getattr(state, name)).all():
-                self.add(f"tick {tick}: agents' {name} is no number")
+                self.add(f"tick {tick}: agents' {name} is not finite")
         if not math.isfinite(show.timeline.beat_at(show.time)):
-            self.add(f"tick {tick}: the beat is no number")
+            self.add(f"tick {tick}: the beat is not finite")
         super().keep(show, tick, begins=begins)
 
     def _measures(self, show: Show, tick: int, begins: bool) -> None:
-        """Each measure begins once, right after the one before it, and runs while its beats do."""
+        """Check that each measure begins once, in order, and that beats do not go back."""
         number, last = show.span.number, self._measure
         self._measure = number
         danced, before = show.danced, self._danced
@@ -79,9 +79,9 @@ class Watching(JournalWriter):
         step = number - last
         self.lines += max(step, 0)
         if step < 0:
-            self.add(f"tick {tick}: measure {number + 1} is danced again after {last + 1}")
+            self.add(f"tick {tick}: measure {number + 1} begins again after {last + 1}")
         elif (step > 0) != begins:
-            self.add(f"tick {tick}: measure {number + 1} begins, and is not told (or the other way round)")
+            self.add(f"tick {tick}: measure {number + 1}: its begin and the reported begin do not match")
         elif step > 1:
             if self._skipped > 0.0:
                 self.leapt += step - 1
@@ -91,26 +91,26 @@ class Watching(JournalWriter):
             self._skipped = 0.0
 
     def resume(self, show: Show, tick: int) -> None:
-        """Another engine goes on with `show`, which stands after `tick`: it may have crossed one line on the way."""
+        """Continue with the show of another engine, which is after `tick`; it may have crossed one measure line."""
         number, last = show.span.number, self._measure
         if last is not None and not last <= number <= last + 1:
-            self.add(f"tick {tick}: another engine goes on in measure {number + 1}, the last one was in {last + 1}")
+            self.add(f"tick {tick}: another engine resumes in measure {number + 1}, the last one was in {last + 1}")
         self.lines += 0 if last is None else max(number - last, 0)
         self._measure, self._danced = number, show.danced
 
     def look(self, view: StageView, tick: int) -> None:
-        """Look at a picture's values."""
+        """Check that the values of a snapshot for drawing are finite."""
         for name in PICTURED:
             array = getattr(view, name)
             if array is not None and not np.isfinite(array).all():
                 rows = np.unique(np.argwhere(~np.isfinite(array))[:, 0])
                 where = f"in rows {', '.join(map(str, rows[:8]))} of {len(array)}, {len(rows)} in all"
                 self.add(
-                    f"tick {tick}: the picture's {name} is no number {where}; {view.phase:.3f} beats of its measure"
+                    f"tick {tick}: the picture's {name} is not finite {where}; {view.phase:.3f} beats into the measure"
                 )
 
     def add(self, words: str) -> None:
-        """Note a problem."""
+        """Record a problem."""
         self.count += 1
         if len(self.problems) < MOST:
             self.problems.append(words)
@@ -118,14 +118,14 @@ class Watching(JournalWriter):
 
 SALT = 0x9E91
 STRETCH = 24
-"""Measures that are replayed from a snapshot."""
+"""Number of measures that are replayed from a snapshot."""
 
 
 def prove(path: Path, *, seed: int = 0, stretches: int = 3, whole: bool = True) -> dict[str, Any]:
-    """Replay a journal: the `whole` of it, and so many stretches from the snapshot before a measure drawn by `seed`.
+    """Replay a journal: the `whole` of it, and `stretches` parts from the snapshot before a measure drawn by `seed`.
 
-    Counts of measures compared and different, the first differences (measure, tick, then, now), problems in words: a
-    replay that ends in an exception is one, too, for a report has to come whatever happens.
+    Returns the numbers of compared and different measures, the first differences (measure, tick, then, now), and
+    problems as text. An exception of the replay is recorded as a problem, so there is always a report.
     """
     begin = _time.perf_counter()
     facts: dict[str, Any] = {"measures": 0, "different": 0, "differences": [], "problems": [], "stretches": 0}
@@ -146,7 +146,7 @@ def prove(path: Path, *, seed: int = 0, stretches: int = 3, whole: bool = True) 
             facts["stretches"] += 1
     except (JournalError, ReplayError) as error:
         problems.append(str(error))
-    except Exception as error:  # the replay meets what ended the show: that is what the report is for
+    except Exception as error:  # the replay may raise the exception that ended the show: report it
         failure = Failure.of(error)
         problems.append(f"the replay ends in an exception: {failure}")
         facts["failure"] = failure.facts()

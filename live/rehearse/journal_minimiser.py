@@ -1,8 +1,8 @@
-"""Minimise: a journal that fails is made as short as it can be while it fails in the same way (delta debugging, ddmin
-of Zeller and Hildebrandt 2002), so that what hours of a soak found becomes a test of a second.
+"""Minimiser for failing journals: reduces hours of a soak test to a test of a second, by delta debugging.
 
-A journal fails if a tick or an event ends in an exception, or if the show that goes on from a snapshot comes to another
-state than the show that was run through. What is kept has no hashes of states: they are those of a show that failed.
+Uses ddmin (Zeller and Hildebrandt 2002). A journal fails if a tick or an event raises an exception, or if the show
+restored from a snapshot reaches another state than the continuous run. The result must fail in the same way. It has no
+state hashes, as those belong to a failed show.
 """
 
 import json
@@ -27,20 +27,20 @@ from live.show.show import Show
 from live.show.state.snapshot import Snapshots, restore
 
 Entry = tuple[int, ControlEvent]
-"""An event, and the tick after which it was told."""
+"""An event, and the tick after which it was applied."""
 
 CHANGES: Final = (PatchChanged, StepsAdded, StepsChanged)
 TIMES: Final = ("time", "beat_time")
-"""Fields of events that hold a time of the show [s]: they move with the event."""
+"""Fields of events that hold a time of the show [s]: they are shifted with the event."""
 BREAKER: Final = "Breaker"
-"""Events whose names begin so tell what was put out of service for the failure: without them it comes again."""
+"""Name prefix of circuit breaker events. They are left out: otherwise the failing part stays disabled."""
 TAILS: Final = (1, 2, 4, 8, 16, 32)
-"""So many measures before the failure are tried to be all that there is."""
+"""Numbers of measures before the failure that are tried as the whole journal."""
 
 
 @dataclass(slots=True)
 class Minimised:
-    """What was left of a journal."""
+    """A minimised journal."""
 
     header: dict[str, Any]
     entries: list[Entry]
@@ -49,10 +49,10 @@ class Minimised:
     failure: Failure
     tried: int = 0
     before: tuple[int, int] = (0, 0)
-    """Events and ticks that there were at first."""
+    """Numbers of events and ticks of the original."""
 
     def write(self, path: Path) -> None:
-        """As a journal; OSError if that cannot be."""
+        """Write it as a journal. Raises OSError."""
         kept = {key: value for key, value in self.header.items() if key not in ("origin", "begun")}
         kept["patch_path"] = _portable(Path(str(self.header["patch_path"])), str(self.header["patch"].get("name")))
         kept["fails"] = {"kind": self.failure.kind, "place": self.failure.place, "words": self.failure.words}
@@ -63,18 +63,18 @@ class Minimised:
 
 
 class Trial:
-    """Runs entries from a show's beginning, and says how that fails."""
+    """Runs entries from the beginning of a show and returns the failure."""
 
     def __init__(self, loaded: LoadedShow, header: dict[str, Any], *, snapshots: bool = False) -> None:
-        """`snapshots`: whether to go on from a snapshot as well, in the middle, and compare."""
+        """`snapshots`: also run from a snapshot in the middle, and compare the final states."""
         self._loaded, self._header, self._snapshots = loaded, header, snapshots
         self.count = 0
-        """Runs so far."""
+        """Number of runs so far."""
         self.lines: list[int] = []
-        """The ticks of the last run at which a measure began."""
+        """Ticks of the last run at which a measure began."""
 
     def run(self, entries: Sequence[Entry], end: int) -> Failure | None:
-        """Run up to the tick `end`; None if all goes well."""
+        """Run up to the tick `end`; return the failure, None if there is none."""
         self.count += 1
         self.lines = []
         tick = 0
@@ -94,21 +94,21 @@ class Trial:
             return Failure.of(error, tick)
 
     def _again(self, tick: int, data: bytes, entries: Sequence[Entry], end: int, wanted: str) -> Failure | None:
-        """The same from a snapshot on."""
+        """Run the rest from a snapshot and compare the final state hash with `wanted`."""
         changes = [event for at, event in entries if at < tick and isinstance(event, CHANGES)]
-        if changes:  # a snapshot of a patch that was edited is not read by whoever has the first one
+        if changes:  # a snapshot of an edited patch cannot be restored with the original patch
             return None
         show = restore(self._loaded, data)
         left = [(at, event) for at, event in entries if at >= tick]
         for _ in running(show, left, end, begin=tick):
             pass
         found = show.state_hash()
-        return None if found == wanted else Failure(DIFFERENT, f"{wanted} run through, {found} from a snapshot")
+        return None if found == wanted else Failure(DIFFERENT, f"{wanted} in a continuous run, {found} from a snapshot")
 
 
 def running(show: Show, entries: Sequence[Entry], end: int, *, begin: int = 0) -> Iterator[tuple[int, bool]]:
-    """Run a show that stands after the tick `begin`; each tick, and whether a measure began with it. Raises whatever
-    the show does."""
+    """Run a show from after the tick `begin`; yield each tick and whether a measure began with it. Raises the show's
+    exceptions."""
     tick, coming = begin, iter(entries)
     following = next(coming, None)
     while tick < end:
@@ -122,7 +122,7 @@ def running(show: Show, entries: Sequence[Entry], end: int, *, begin: int = 0) -
 
 
 def entries_of(journal: Journal) -> tuple[list[Entry], int]:
-    """All events of a journal that can be read, those that were left out for a failure too, and its last tick."""
+    """Return all readable events of a journal, also those skipped after a failure, and its last tick."""
     found: list[Entry] = []
     last = 0
     for line in journal.usable():
@@ -133,9 +133,9 @@ def entries_of(journal: Journal) -> tuple[list[Entry], int]:
 
 
 def loaded_for(journal: Journal) -> LoadedShow:
-    """What a journal's show is made of. Where steps have changed since, with those of today: a failure that is kept is
-    one of the program, not of a step. ReplayError if there is no such show any more."""
-    path = PATCHES / str(journal.header.get("patch_path"))  # one that was kept names a patch of the project
+    """Load the patch and library of a journal. If steps have changed since, the present ones are used: a stored failure
+    is one of the program, not of a step. Raises ReplayError if the show cannot be loaded any more."""
+    path = PATCHES / str(journal.header.get("patch_path"))  # a stored journal names a patch of the project
     journal = replace(journal, header={**journal.header, "patch_path": str(path)})
     try:
         return loaded_by(journal)
@@ -149,7 +149,7 @@ def loaded_for(journal: Journal) -> LoadedShow:
 
 
 def _portable(path: Path, name: str) -> str:
-    """Where the patch of a kept journal lies: within the project's patches, if it (or a copy of it) is one of those."""
+    """Return the patch path for a stored journal: relative to the project's patches if it is one, or a copy of one."""
     if path.is_relative_to(PATCHES):
         return str(path.relative_to(PATCHES))
     for own in (*PATCHES.glob(f"*/{MAIN_FILE}"), *PATCHES.glob("*.toml")):
@@ -160,19 +160,19 @@ def _portable(path: Path, name: str) -> str:
 
 @dataclass(slots=True)
 class Minimiser:
-    """Makes a journal shorter as long as there is time."""
+    """Shortens a journal within a time limit."""
 
     trial: Trial
     header: dict[str, Any]
     seconds: float = 600.0
-    """Of the machine; what is shortest by then is what comes out."""
+    """Time limit in real time [s]; the shortest journal found by then is returned."""
     tell: Callable[[str], None] = lambda words: None
     beats: int = 4
     _until: float = 0.0
     _failure: Failure = field(default_factory=lambda: Failure("", ""))
 
     def run(self, entries: list[Entry], end: int) -> Minimised | None:
-        """The shortest journal that was found; None if these entries do not fail."""
+        """Return the shortest failing journal found; None if these entries do not fail."""
         self._until = _time.monotonic() + self.seconds
         failure = self.trial.run(entries, end)
         if failure is None:
@@ -204,23 +204,23 @@ class Minimiser:
         return self.trial.lines
 
     def _tail(self, entries: list[Entry], end: int, lines: list[int]) -> tuple[list[Entry], int]:
-        """Only the last measures, as if they were the first ones: moved forward by whole measures."""
+        """Try to keep only the last measures, shifted by whole measures to the beginning."""
         for keep in TAILS:
             if keep + 2 >= len(lines):
                 break
             moved = lines[-1 - keep] - lines[0]
             shorter = [_moved(entry, moved) for entry in entries if entry[0] > moved]
-            # where the line falls between two ticks, another one may be the right one; and a measure more to end in
+            # the measure line may round to another tick; the last try adds a whole measure
             for add in (0, 1, 2, lines[-1] - lines[-2]):
                 if self._fails(shorter, end - moved + add):
                     end = self._failure.tick if self._failure.tick > 0 else end - moved + add
-                    self.tell(f"the last {keep} measures will do: {len(shorter)} events in {end} ticks")
+                    self.tell(f"the last {keep} measures suffice: {len(shorter)} events in {end} ticks")
                     return shorter, end
         return entries, end
 
     def _fewer(self, entries: list[Entry], end: int) -> list[Entry]:
-        """As few events as will do (ddmin)."""
-        end = end + 4  # an event less may move a line by a tick
+        """Remove as many events as possible (ddmin)."""
+        end = end + 4  # without an event, a measure line may move by a tick
         parts = 2
         while len(entries) >= 1 and _time.monotonic() <= self._until:
             size = max(len(entries) // parts, 1)
@@ -247,8 +247,8 @@ def _moved(entry: Entry, ticks: int) -> Entry:
 def minimise(
     path: Path, *, seconds: float = 600.0, tell: Callable[[str], None] = lambda words: None
 ) -> Minimised | None:
-    """The shortest journal that fails as that at `path` does; None if it does not fail. JournalError and ReplayError
-    for one that cannot be run."""
+    """Return the shortest journal that fails like the one at `path`; None if that does not fail. Raises JournalError
+    and ReplayError if it cannot be run."""
     journal = read_journal(path)
     loaded = loaded_for(journal)
     entries, end = entries_of(journal)

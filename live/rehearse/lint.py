@@ -1,8 +1,6 @@
-"""All that is doubtful about the score of a show, by what it is about: what `live check` tells.
+"""Lint for shows: all warnings of `live check`, by kind.
 
-Doubts about cameras: one that stands below the floor sees it from beneath, or nothing but its edge.
-
-Doubts about where entries of a score end: segments and elements that go on after their section.
+Contains the checks for cameras below the floor, and for segments and elements that last longer than their section.
 """
 
 from collections.abc import Iterator
@@ -21,7 +19,7 @@ EYE: Final = "/dance/camera/eye"
 
 
 def camera_doubts(patch: Patch) -> list[str]:
-    """The cameras of a patch, its scenes and its calls that stand below the floor."""
+    """Return a warning for each camera of the patch, its scenes and its calls that is below the floor."""
     return [
         f"{where}: the camera's eye is {-height:g} m below the floor (y = {height:g}); the floor is at y = 0"
         for where, height in dict(_heights(patch)).items()
@@ -43,14 +41,14 @@ def _heights(patch: Patch) -> Iterator[tuple[str, float]]:
 
 
 TOLD: Final = 6
-"""Doubts of this kind at most."""
+"""Maximum number of warnings of this kind."""
 
 
 def span_doubts(patch: Patch) -> list[str]:
-    """Segments and elements that are longer than what is left of their section when they begin.
+    """Return warnings for segments and elements that last longer than the rest of their section.
 
-    They go on into what comes then. One that is written in measures of the whole score means that, where the next
-    section follows as it is written.
+    They continue into the following section. There is no warning for an entry in measures of the whole score if the
+    sections that it covers follow one another in the written order.
     """
     notes = [*_longer(patch, "segment"), *_longer(patch, "element")]
     more = len(notes) - TOLD
@@ -69,12 +67,12 @@ def _longer(patch: Patch, kind: str) -> Iterator[str]:
             f"{kind} {index + 1} begins in measure {entry.measure:g}"
             + ("" if entry.section is None else f" of {entry.section!r}")
             + f" and lasts {entry.measures:g} measures{default}, but {end} ends with measure {before + stay.size}: "
-            f"it goes on into what comes then; measures = {stay.size - stay.begin} ends it there"
+            f"it continues after that; measures = {stay.size - stay.begin} ends it there"
         )
 
 
 def _meant(patch: Patch, entry: Any, stay: Stay) -> bool:
-    """Whether it is written over sections that follow one another as they are written."""
+    """Whether the entry is in measures of the whole score and its sections follow one another as written."""
     if entry.section is not None or not patch.section:
         return False
     last, measure = stay.section, stay.begin + int(entry.measures)
@@ -91,20 +89,20 @@ def _meant(patch: Patch, entry: Any, stay: Stay) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Doubts:
-    """What is doubtful about things of one kind."""
+    """The warnings of one kind."""
 
     name: str
     """The kind, as in the table of `live check`."""
     counted: str
-    """How many of them there are, in words."""
+    """Number of checked things, in words."""
     words: list[str]
-    """A line each; none if all is well."""
+    """The warnings, one line each; empty if there are none."""
     remedy: str
-    """What to do, in general."""
+    """The general remedy."""
 
 
 def all_doubts(show: Show) -> list[Doubts]:
-    """Everything about a fresh show; none of it is an error: it starts with all of them. The show is used up."""
+    """Return all warnings for a fresh show. None is an error: the show starts anyway. The show cannot be used again."""
     patch = show.patch
     rows = (
         ("sections", len(patch.section) or 1, section_doubts(patch),
@@ -112,8 +110,8 @@ def all_doubts(show: Show) -> list[Doubts]:
         ("sequences", len(patch.sequence), sequence_doubts(show), "give it more measures, or fewer steps"),
         ("improvisations", len(patch.improvise), answer_doubts(patch), "see docs/score.md"),
         ("cues", len(patch.cue), cue_doubts(patch),
-         "make the fade or the count-in shorter, or let them come later"),
-        ("cameras", 1 + len(patch.view), camera_doubts(patch), "let it stand higher"),
+         "make the fade or the count-in shorter, or place them later"),
+        ("cameras", 1 + len(patch.view), camera_doubts(patch), "place it higher"),
         ("formations", len(patch.formation), formation_doubts(show), "see `live formation`"),
         ("ends", len(patch.segment) + len(patch.element), span_doubts(patch), "fewer measures, or begin earlier"),
         ("ways", len(patch.segment), rehearsal_notes(show), "see docs/evolutions.md"),

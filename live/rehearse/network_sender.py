@@ -1,4 +1,4 @@
-"""Sending: made-up players and a made-up band reach a show as from outside, over OSC and MIDI, in real time."""
+"""Sender for the simulated players and band: OSC over UDP and MIDI clock, in real time."""
 
 import heapq
 import socket
@@ -11,13 +11,13 @@ from live.rehearse.simulated_band import FakeBand
 from live.rehearse.simulated_players import Call
 
 PULSES: Final = 24
-"""Pulses of MIDI clock in a beat."""
+"""MIDI clock pulses per beat."""
 CLOCK, START, STOP = b"\xf8", b"\xfa", b"\xfc"
 Timed = tuple[float, bytes]
 
 
 def packet_of(call: Call) -> bytes | None:
-    """The OSC packet of a call; None if OSC has no type for one of its values."""
+    """Return the OSC packet of a call; None if OSC has no type for one of its values."""
     message = OscMessageBuilder(address=call.address)
     try:
         for value in call.values:
@@ -31,7 +31,7 @@ def packet_of(call: Call) -> bytes | None:
 
 
 def pulses(band: FakeBand) -> Iterator[Timed]:
-    """MIDI clock of a band: start with the first beat and after each stop, 24 pulses a beat, stop when it rests."""
+    """Yield the MIDI clock of a band: 24 pulses a beat, start at the first beat, stop and start around rests."""
     last = None
     for played in band.played():
         if last is None or played.before > 0.0:
@@ -44,7 +44,7 @@ def pulses(band: FakeBand) -> Iterator[Timed]:
 
 
 def packets(calls: Iterator[Call]) -> Iterator[Timed]:
-    """OSC packets of calls, with the times at which they are sent."""
+    """Yield the OSC packets of calls with their send times."""
     for call in calls:
         packet = packet_of(call)
         if packet is not None:
@@ -52,10 +52,10 @@ def packets(calls: Iterator[Call]) -> Iterator[Timed]:
 
 
 class Outlet:
-    """Sends packets to one address over UDP; what the network refuses is counted."""
+    """Sends packets to one address over UDP, and counts failures."""
 
     def __init__(self, host: str, port: int) -> None:
-        """OSError if the host has no address."""
+        """Raises OSError if the host has no address."""
         family, _, _, _, there = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         self._to: Any = there
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
@@ -70,7 +70,7 @@ class Outlet:
             self.failed += 1
 
     def close(self) -> None:
-        """Free the socket."""
+        """Close the socket."""
         self._socket.close()
 
 
@@ -81,9 +81,9 @@ def send_all(
     wait: Callable[[float], bool],
     until: float,
 ) -> None:
-    """Send all streams at their times until `until` [s]; `wait` sleeps so many seconds, and is True if it is over.
+    """Send all streams at their times until `until` [s]. `wait` sleeps for some seconds; it returns True to stop.
 
-    Each stream is a row of (time, what), in order, and what takes it.
+    A stream is a pair: packets (time, bytes) in order of time, and the function that sends one.
     """
     coming: list[tuple[float, int, bytes]] = []
     for number, (stream, _) in enumerate(streams):

@@ -1,6 +1,6 @@
-"""Doubts about a score before doors open: sections that never come, cues that collide, formations that are tight.
+"""Lint for scores: unreachable sections, conflicting cues, formations that are too dense.
 
-None of them is an error: a show starts with all of them.
+The results are warnings, not errors: the show starts anyway.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ TO_SCENE: Final = "/dance/scene"
 
 
 def section_doubts(patch: Patch) -> list[str]:
-    """Sections that are not come to, neither one after the other nor by a cue or a call of the patch."""
+    """Return a warning for each section that neither the order of sections nor a cue or call of the patch reaches."""
     if not patch.section:
         return []
     stretches = stretches_of(patch)
@@ -38,14 +38,14 @@ def section_doubts(patch: Patch) -> list[str]:
         if stretches[index].then != END:
             coming.append(stretches[index].then)
     return [
-        f"section {section.name!r} never comes: nothing leads there but {TO_SECTION} by hand"
+        f"section {section.name!r} is never reached: only {TO_SECTION} by hand leads there"
         for index, section in enumerate(patch.section)
         if index not in reached
     ]
 
 
 def sequence_doubts(show: Show) -> list[str]:
-    """Sequences that end before all of their steps have been danced."""
+    """Return a warning for each sequence that ends before all of its steps have been danced."""
     library, notes = show.graph.library, []
     for section in show.patch.sequence:
         if section.measures is None or section.choose == "random":
@@ -64,7 +64,7 @@ def sequence_doubts(show: Show) -> list[str]:
 
 
 def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:
-    """Sections that cues and calls of the patch go to."""
+    """Return the sections that cues and calls of the patch lead to."""
     told = [cue.section for cue in patch.cue if cue.section is not None]
     calls = [call for cue in patch.cue for call in cue.calls]
     calls += [(at.call, *at.values) for at in patch.at if at.call is not None]
@@ -74,21 +74,19 @@ def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:
 
 
 def cue_doubts(patch: Patch) -> list[str]:
-    """Cues that collide: the next one comes by itself while it is still counted in, or both fade the same thing."""
+    """Return warnings for conflicting cues: an automatic cue with a longer count-in, or two fades of one parameter."""
     notes = list(_repeating(patch))
     beats = patch.clock.beats_per_measure
     if patch.cue and patch.cue[-1].then == "auto":
         name = patch.cue[-1].name
-        notes.append(
-            f'cue {name!r} is the last one, and then = "auto" leads to nothing: leave then out, or write a cue'
-        )
+        notes.append(f'cue {name!r} is the last one, so then = "auto" has no effect: remove it, or add a cue')
     for cue, following in zip(patch.cue, patch.cue[1:], strict=False):
         if cue.then != "auto":
             continue
         after = cue.after or 1
         if following.count_in > after * beats:
             notes.append(
-                f"cue {following.name!r} comes {after} measures after {cue.name!r} by itself, and counts in for "
+                f"cue {following.name!r} comes automatically {after} measures after {cue.name!r}, but counts in for "
                 f"{following.count_in:g} beats: it comes later than that"
             )
         shared = _faded(patch, cue) & _faded(patch, following)
@@ -102,17 +100,17 @@ def cue_doubts(patch: Patch) -> list[str]:
 
 
 def _repeating(patch: Patch) -> Iterator[str]:
-    """Cues that come back to themselves: until somebody ends it."""
+    """Yield a warning for each cue that calls itself again through other cues."""
     for loop in cue_loops(patch):
         measures = loop.beats / patch.clock.beats_per_measure
         yield (
-            f"cue {patch.cue[loop.cue].name!r} calls its way back to itself: it comes again every {measures:g} "
-            "measures or so, and sets what stands by, until /dance/back or /dance/panic"
+            f"cue {patch.cue[loop.cue].name!r} calls itself again: it comes again every {measures:g} measures or so, "
+            "and sets the standby cue, until /dance/back or /dance/panic"
         )
 
 
 def _fade(patch: Patch, cue: CueSection) -> float:
-    """How long the cross-fade of a cue takes [measures]."""
+    """Return the length of a cue's cross-fade [measures]."""
     if cue.measures is not None:
         return float(cue.measures)
     return _scene_fade(patch, cue.scene)
@@ -137,7 +135,7 @@ def _same(a: str, b: str) -> bool:
 
 
 def _scenes_at(patch: Patch) -> list[str]:
-    """Scenes of the score that are recalled while another one still fades the same."""
+    """Return warnings for scenes that are recalled while another one still fades the same parameters."""
     beats = patch.clock.beats_per_measure
     rows = sorted(
         ((at.section or "", float(at.measure - 1) + (at.beat - 1.0) / beats, at.scene) for at in patch.at if at.scene),
@@ -160,7 +158,7 @@ def _scenes_at(patch: Patch) -> list[str]:
 
 
 def formation_doubts(show: Show) -> list[str]:
-    """Formations of segments in which dancers stand closer together than their bodies are wide."""
+    """Return warnings for formations of segments in which dancers are closer than their bodies are wide."""
     notes = []
     for section in show.patch.segment:
         if section.formation is None:
@@ -180,6 +178,6 @@ def formation_doubts(show: Show) -> list[str]:
         if near < 2.0 * AGENT_RADIUS - 1e-6:
             notes.append(
                 f"{section.formation} for {count} dancers: the nearest two stand {near:.2f} m apart, bodies need "
-                f"{2.0 * AGENT_RADIUS:.2f} m: make it larger, or for fewer"
+                f"{2.0 * AGENT_RADIUS:.2f} m: make it larger, or use fewer dancers"
             )
     return list(dict.fromkeys(notes))

@@ -1,8 +1,6 @@
-"""FakeBand: a band that drifts, stops, plays fills, loses the one and jumps to another tempo; seeded, in show time.
+"""Simulated band, seeded, in show time: tempo drift, stops, fills, wrong downbeats and tempo jumps.
 
-It says what a tracker of sound would say: a statement a beat, and what the music of that beat was like.
-
-The sound of a made-up band: kick, snare and hat, enough for a beat tracker and a pair of ears.
+Produces the events of a beat tracker (a beat and its music features), and audio with kick, snare and hat.
 """
 
 import wave
@@ -19,53 +17,53 @@ from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, Sour
 
 SLOWEST: Final = 60.0
 FASTEST: Final = 180.0
-"""Tempi [bpm] that the band does not leave."""
+"""Tempo range of the band [bpm]."""
 DRIFT: Final = 0.004
-"""Standard deviation of the tempo's change from one beat to the next, as a share ..."""
+"""Standard deviation of the relative tempo change from one beat to the next."""
 HOME: Final = 0.02
-"""... and how much of the way back to the tempo that the piece has."""
+"""Share of the difference to the nominal tempo that is corrected at each beat."""
 LATENESS: Final = 0.09
-"""Seconds after a beat at which a tracker speaks of it."""
+"""Delay of the tracker's events after a beat [s]."""
 SALT: Final = 0xBA4D
 
 
 @dataclass(frozen=True, slots=True)
 class Manners:
-    """How often a band does what, per measure, and how far it goes."""
+    """Probabilities of the band's irregularities, per measure."""
 
     stop: float = 0.01
-    """It stops for one to eight beats, and goes on with a one."""
+    """A rest of one to eight beats; the band resumes with a downbeat."""
     fill: float = 0.08
-    """A measure of many onsets in which beats are hard to hear."""
+    """A measure with many onsets in which beats are hard to detect."""
     wrong_one: float = 0.01
-    """From here on the tracker takes another beat for the one, for one to twelve measures."""
+    """The tracker detects a wrong downbeat for one to twelve measures."""
     leap: float = 0.006
-    """Another piece: the tempo changes by up to a half."""
+    """A tempo jump by a factor of up to about 1.5."""
     drift: float = DRIFT
 
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """One beat as it was played."""
+    """One played beat."""
 
     time: float
     """When [s of the show]."""
     period: float
     """Seconds to the next one."""
     beat: int
-    """Which of its measure, from 0."""
+    """Index in its measure, from 0."""
     measure: int
-    """Measures of the band before it."""
+    """Index of its measure, from 0."""
     fill: bool
     """Whether it belongs to a fill."""
     heard_as: int
-    """Which beat of the measure a tracker takes it for."""
+    """Index in the measure as the tracker detects it."""
     before: float
     """Seconds of silence before it."""
 
 
 class FakeBand:
-    """Plays on and on; `played` is what it plays, `events` what is heard of that."""
+    """Endless band: `played` yields the beats, `events` the tracker's events for them."""
 
     def __init__(
         self,
@@ -86,10 +84,10 @@ class FakeBand:
         self._measure = 0
         self._wrong, self._wrong_left = 0, 0
         self.did = {"stop": 0, "fill": 0, "wrong one": 0, "leap": 0}
-        """How often it did what it should not."""
+        """Counts of irregularities by kind."""
 
     def played(self) -> Iterator[Played]:
-        """Beat after beat, without an end."""
+        """Yield beats, endlessly."""
         while True:
             fill, silence = self._begin_measure()
             for beat in range(self._beats):
@@ -103,7 +101,7 @@ class FakeBand:
             self._measure += 1
 
     def _begin_measure(self) -> tuple[bool, float]:
-        """Whether a fill begins, and how long the band rests before the one [s]."""
+        """Return whether a fill begins, and the rest before the downbeat [s]."""
         manners, chance = self._manners, self._chance
         stop, fill, wrong, leap = chance.random(4) < (manners.stop, manners.fill, manners.wrong_one, manners.leap)
         if leap:
@@ -127,7 +125,7 @@ class FakeBand:
         self.bpm = float(np.clip(tempo, SLOWEST, FASTEST))
 
     def events(self) -> Iterator[ControlEvent]:
-        """What a tracker says, in the order of its times."""
+        """Yield the tracker's events in order of time."""
         yield SourceChanged(time=0.0, source=self._source, state="found")
         for played in self.played():
             if played.before > 2.0:
@@ -152,7 +150,7 @@ class FakeBand:
         )
 
     def _music(self, played: Played, time: float) -> MusicHeard:
-        """Loudness goes in arcs of sixteen measures: a build-up, and a drop where the next arc begins."""
+        """Return the music features: loudness in arcs of 16 measures, with a build-up and a drop at the next arc."""
         chance = self._chance
         arc = (played.measure % 16 + played.beat / self._beats) / 16.0
         loud = float(np.clip(0.25 + 0.6 * arc + 0.08 * chance.standard_normal(), 0.0, 1.0))
@@ -175,7 +173,7 @@ RATE: Final = 44100
 
 
 def sound_of(band: FakeBand, seconds: float, *, seed: int = 0) -> Float32:
-    """The band's first `seconds`, mono at RATE, shape (samples,), within [-1, 1]."""
+    """Return the audio of the band's first `seconds`, mono at RATE, shape (samples,), within [-1, 1]."""
     chance = np.random.default_rng([seed, 0x50BD])
     out = np.zeros(int(seconds * RATE), np.float32)
     kick, snare, hat = _kick(), _noise(chance, 0.16, 0.05), _noise(chance, 0.05, 0.012)
@@ -192,7 +190,10 @@ def sound_of(band: FakeBand, seconds: float, *, seed: int = 0) -> Float32:
 def _strokes(
     played: Played, chance: np.random.Generator, kick: Float32, snare: Float32, hat: Float32
 ) -> list[tuple[float, Float32, float]]:
-    """Kick on the one and in the middle, snare between, hats on eighths; in a fill the snare alone, in sixteenths."""
+    """Return the strokes of one beat: (time, sound, level).
+
+    Kick on even beats, snare on odd ones, hats on eighths; in a fill only the snare, in sixteenths.
+    """
     time, period = played.time, played.period
     if played.fill:
         places = time + period * (np.arange(4) + chance.uniform(-0.08, 0.08, 4)) / 4.0
@@ -206,7 +207,7 @@ def _strokes(
 
 
 def write_sound(path: Path, sound: Float32) -> None:
-    """Write it as a 16-bit WAV file. OSError if that cannot be."""
+    """Write a 16-bit WAV file. Raises OSError."""
     with wave.open(str(path), "wb") as out:
         out.setnchannels(1)
         out.setsampwidth(2)

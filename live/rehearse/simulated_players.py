@@ -1,7 +1,4 @@
-"""FakePlayers: people with phones and control surfaces, who touch a show when they like; Poisson, seeded.
-
-Words: what players of a show may say for the arguments of controls, from its patch; and what makes no sense.
-"""
+"""Simulated players with phones and control surfaces: a seeded Poisson process of valid and invalid calls."""
 
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
@@ -24,7 +21,8 @@ HOSTILE: Final = (
 
 
 class Words:
-    """The vocabulary of one show. Seeded from outside: every call takes its chance."""
+    """Generator of argument values for one show's controls, from the names in its patch. Every call takes its random
+    generator."""
 
     def __init__(self, patch: Patch, steps: Sequence[str]) -> None:
         groups = [group.name for group in patch.group]
@@ -45,7 +43,7 @@ class Words:
         }
 
     def values(self, control: Control, chance: np.random.Generator) -> list[Plain]:
-        """Values that the control takes, if there is what they name; optional ones are sometimes left out."""
+        """Return values that the control accepts (names may not exist); optional ones are sometimes left out."""
         values: list[Plain] = []
         for argument in control.arguments:
             if argument.default is not None and chance.random() < 0.3:
@@ -77,7 +75,7 @@ class Words:
         return _one(self._of[self._kind(address, argument)], chance)
 
     def _kind(self, address: str, argument: Argument) -> str:
-        """Which words an argument wants: by its own name, or where it is only a name by that of its control."""
+        """Return the kind of words for an argument: by its name, or if that is generic by its control's address."""
         name = argument.name
         if name == "dancers" or (name == "group" and argument.type == "text"):
             return "who"
@@ -93,13 +91,13 @@ class Words:
 
 
 def junk(chance: np.random.Generator) -> list[object]:
-    """Values of any kind and number that no control can want."""
+    """Return invalid values of any type and number."""
     pool: tuple[object, ...] = (*HOSTILE, *JUNK)
     return [pool[int(chance.integers(len(pool)))] for _ in range(int(chance.integers(0, 9)))]
 
 
 def points(chance: np.random.Generator, count: int) -> str:
-    """`count` points of a stage, as text."""
+    """Return `count` random points of a stage, as text."""
     return ", ".join(f"{x:.2f} {z:.2f}" for x, z in chance.uniform((-4.5, -2.8), (4.5, 2.8), (count, 2)))
 
 
@@ -108,7 +106,7 @@ def _one(pool: Sequence[str], chance: np.random.Generator) -> str:
 
 
 def _number(argument: Argument, chance: np.random.Generator) -> float:
-    """Within the range; mostly near what is sensible, for ranges reach far beyond a stage."""
+    """Return a number within the range; mostly in a sensible part, as ranges exceed the size of a stage."""
     low, high = argument.minimum, argument.maximum
     if chance.random() < 0.05:
         return float(chance.choice((low, high)))
@@ -128,9 +126,9 @@ def _number(argument: Argument, chance: np.random.Generator) -> float:
 SALT: Final = 0xF0E5
 RANKS: Final = {"audience": 0, "musician": 1, "operator": 2}
 FOLLOWED: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
-"""What a finger on a phone sends again and again while it moves."""
+"""Controls that a phone sends repeatedly while a finger moves."""
 SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
-"""How much more often some are used than others."""
+"""Relative frequencies of controls; 1 for all others."""
 RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
                "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
                "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in", "/dance/output/fade",
@@ -139,23 +137,23 @@ RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear",
 
 
 class Call(NamedTuple):
-    """One message."""
+    """One message of a player."""
 
     time: float
-    """When it arrives [s of the show]."""
+    """Arrival time [s of the show]."""
     address: str
     values: list[object]
     source: str
 
 
 class FakePlayers:
-    """So many people, each of whom touches something about `rate` times a minute."""
+    """`count` people, each of whom sends about `rate` messages a minute."""
 
     def __init__(
         self, seed: int, words: Words, *, count: int = 8, rate: float = 6.0, nonsense: float = 0.05,
         role: str = "operator", start: float = 0.0,
     ) -> None:  # fmt: skip
-        """`rate` [1/min] of each; `nonsense`: the share of messages that make no sense; `role`: the most they may."""
+        """`rate` [1/min] of each; `nonsense`: share of invalid messages; `role`: highest role of controls used."""
         self._chance = np.random.default_rng([seed, SALT])
         self._words, self._nonsense = words, nonsense
         self._rate = count * rate / 60.0
@@ -166,7 +164,7 @@ class FakePlayers:
         self._shares = weights / weights.sum()
 
     def calls(self) -> Iterator[Call]:
-        """Message after message, in the order of their times, without an end."""
+        """Yield messages in order of time, endlessly."""
         chance = self._chance
         while self._rate > 0.0:
             self._time += float(chance.exponential(1.0 / self._rate))
@@ -181,7 +179,7 @@ class FakePlayers:
                 yield from self._finger(control, values, source)
 
     def _finger(self, control: Control, values: list[object], source: str) -> Iterator[Call]:
-        """The same finger, moving for a second or so."""
+        """Yield the messages of the same finger moving for up to a second."""
         at = [index for index, argument in enumerate(control.arguments) if argument.name in ("x", "z")]
         time = self._time
         for _ in range(int(self._chance.integers(2, 20))):

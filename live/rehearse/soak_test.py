@@ -1,9 +1,7 @@
-"""Soak: hours of a show with a made-up band, made-up players and faults, in virtual time; nothing may go wrong.
+"""Soak test: hours of a show with simulated band, simulated players and injected faults, in virtual time.
 
-The show is what `live play` runs: engine, inbox, journal with snapshots, watch of the patch's files. Only the clock is
-moved by hand, and frames are drawn nowhere.
-
-What a soak is asked to run, and what came of it.
+The show is the same as in `live play`: engine, event queue, journal with snapshots, hot reload of the patch. Only the
+clock is manual, and frames are not drawn.
 """
 
 import gc
@@ -34,80 +32,80 @@ from live.show.patch.hot_reload import PatchWatch
 from live.show.status import Status
 
 GROWTH_MB: Final = 20.0
-"""So much memory may change after the first hour (or the first third of a shorter run)."""
+"""Maximum change of memory after the first hour (or the first third of a shorter run)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is run."""
+    """The options of a run."""
 
     patch: Path
     seed: int = 0
     hours: float = 1.0
     fps: float = 16.0
-    """Frames per second of the show, on the average."""
+    """Mean frame rate of the show."""
     players: int = 8
     calls: float = 6.0
-    """What each player does in a minute."""
+    """Calls of each player per minute."""
     faults: float = 1.0
-    """How often things go wrong; 1: about once a minute."""
+    """Rate of faults; 1: about one per minute."""
 
 
 @dataclass(slots=True)
 class Report:
-    """What came of it."""
+    """The result of a run."""
 
     plan: Plan
     seconds: float = 0.0
-    """Of the show."""
+    """Duration in show time."""
     took: float = 0.0
-    """Of the machine [s]."""
+    """Duration in real time [s]."""
     measures: int = 0
     leapt: int = 0
     frames: int = 0
     skipped: int = 0
     problems: list[str] = field(default_factory=list)
     count: int = 0
-    """Problems in all."""
+    """Total number of problems."""
     events: dict[str, int] = field(default_factory=dict)
     refused: dict[str, int] = field(default_factory=dict)
     faults: dict[str, int] = field(default_factory=dict)
     band: dict[str, int] = field(default_factory=dict)
     edits: dict[str, int] = field(default_factory=dict)
     frames_ms: list[dict[str, float]] = field(default_factory=list)
-    """In real time: CPU time of frames [ms], late frames and memory, in rows of some seconds."""
+    """For runs in real time: CPU time of frames [ms], late frames and memory, each row for some seconds."""
     memory: list[tuple[float, float]] = field(default_factory=list)
-    """Seconds of the show, resident memory [MB]."""
+    """Show time [s], resident memory [MB]."""
     objects: list[tuple[float, int]] = field(default_factory=list)
     journal: dict[str, Any] = field(default_factory=dict)
     failures: list[dict[str, Any]] = field(default_factory=list)
-    """Exceptions, each with its place and its whole traceback (`Failure.facts`)."""
+    """Exceptions with place and traceback (`Failure.facts`)."""
     replay: dict[str, Any] = field(default_factory=dict)
     status: dict[str, Any] = field(default_factory=dict)
-    """The last figures of the show."""
+    """The last status of the show."""
 
     def fail(self, failure: Failure, what: str = "") -> None:
-        """Note an exception: a line among the problems, all of it beside them."""
+        """Record an exception: one line in `problems`, all of it in `failures`."""
         self.count += 1
         self.problems.append(f"{what}{failure}")
         self.failures.append(failure.facts())
 
     @property
     def growth(self) -> float | None:
-        """Largest change of memory [MB] after the first hour, or the first third of a shorter run."""
+        """The largest change of memory [MB] after the first hour, or the first third of a shorter run."""
         begin = min(3600.0, self.seconds / 3.0)
         later = [size for time, size in self.memory if time >= begin]
         return max(abs(size - later[0]) for size in later) if later else None
 
     @property
     def ok(self) -> bool:
-        """Whether nothing went wrong."""
+        """Whether there were no problems."""
         grown = self.growth
         different = self.replay.get("different", 0) or self.replay.get("problems")
         return not self.count and not different and (grown is None or grown <= GROWTH_MB)
 
     def as_json(self) -> dict[str, Any]:
-        """For `--report`."""
+        """Return the report for `--report`."""
         plan = {"patch": str(self.plan.patch), "seed": self.plan.seed, "hours": self.plan.hours, "fps": self.plan.fps}
         facts = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "plan"}
         speed = self.seconds / self.took if self.took else None
@@ -116,15 +114,15 @@ class Report:
 
 SALT: Final = 0x50AC
 MEMORY_EVERY: Final = 60.0
-"""Seconds of the show from one look at memory to the next."""
+"""Interval of memory measurements [s of the show]."""
 
 
 class Soak:
-    """One run."""
+    """One soak test run."""
 
     def __init__(self, plan: Plan, folder: Path, *, sink: JournalSink | None = None) -> None:
-        """`folder`: where the copy of the patch and the journal go; `sink`: who writes the journal there. PersonError
-        for a patch that does not start."""
+        """`folder`: for the copy of the patch and the journal; `sink`: writer of the journal. Raises PersonError for a
+        patch that does not start."""
         self.plan = plan
         self._chance = np.random.default_rng([plan.seed, SALT])
         self.edits = Edits(plan.patch, folder / "patch", plan.seed)
@@ -162,15 +160,15 @@ class Soak:
         self._look = 0.0
         self._failed_before = dict(FAULTS.counts)
         self.between: Callable[[], None] = lambda: None
-        """Done before each frame."""
+        """Called before each frame."""
         self.until: Callable[[], bool] = lambda: False
-        """Whether the run may end before its time."""
+        """Returns True to end the run early."""
         self.failure: Failure | None = None
-        """What ended the run before its time."""
+        """The failure that ended the run early."""
 
     def run(self, tell: Callable[[float, Report], None] | None = None) -> Report:
-        """Run it all; `tell` hears of it once a minute of the show. An exception is noted, and ends the run;
-        the report holds what was found whatever ends it, Ctrl-C too."""
+        """Run the whole test; `tell` is called once a minute of show time. An exception is recorded and ends the run.
+        The report is completed however the run ends, also by Ctrl-C."""
         report, begin, end = self.report, _time.perf_counter(), self.plan.hours * 3600.0
         gc.collect()
         gc.freeze()
@@ -227,7 +225,7 @@ class Soak:
         self.report.objects.append((now, len(gc.get_objects())))
 
     def _frame(self) -> None:
-        """One frame, and all that arrives before it."""
+        """Deliver all inputs that are due, then run one frame."""
         now = self.clock.now() + float(self._chance.uniform(0.5, 1.5)) / self.plan.fps + self.mishaps.stands_for
         self.mishaps.stands_for = 0.0
         while self._next_heard.time <= now:
@@ -249,14 +247,14 @@ class Soak:
         self._say(now)
 
     def _say(self, now: float) -> None:
-        """The status must always be plain JSON."""
+        """Check once a second that the status is valid JSON."""
         if self.status.frames % round(self.plan.fps):
             return
         self.report.status = self.status.snapshot(now)
         try:
             json.dumps(self.report.status, allow_nan=False)
         except ValueError as error:
-            self.journal.add(f"tick {self.engine.ticks.index}: the status is no JSON: {error}")
+            self.journal.add(f"tick {self.engine.ticks.index}: the status is not valid JSON: {error}")
 
     def _hear(self, event: ControlEvent) -> None:
         if event.time < self.mishaps.deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
@@ -264,7 +262,7 @@ class Soak:
         self.inbox.put(event)
 
     def call(self, call: Call) -> None:
-        """What a player sends."""
+        """Deliver a call of a player."""
         event = REGISTRY.call(call.address, call.values, call.time, call.source)
         if isinstance(event, ControlEvent):
             self.inbox.put(event)

@@ -113,7 +113,7 @@ def test_list_runs_nothing(folder: Path) -> None:
 
 
 def test_an_unknown_bench_names_those_there_are(folder: Path) -> None:
-    with pytest.raises(PersonError, match="no bench is called 'clasp'; there are: claps"):
+    with pytest.raises(PersonError, match="no benchmark is called 'clasp'; there are: claps"):
         load_bench("clasp")
 
 

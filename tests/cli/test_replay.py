@@ -15,4 +15,4 @@ def test_a_film_that_takes_longer_than_the_night_is_not_0_times_as_fast(capsys, 
         ticks=640, begun=0, measures=5, different=0, differences=(), failed=0, problems=(), lacking=()
     )
     _tell(journal, cast(Any, result), speed)
-    assert f"; {words} as fast" in " ".join(capsys.readouterr().out.split())
+    assert f"; {words} real time" in " ".join(capsys.readouterr().out.split())

@@ -88,4 +88,4 @@ def test_a_folder_that_is_not_there_is_named(tmp_path):
 def test_what_means_nothing_is_told_and_left_out(tmp_path, capsys):
     (tmp_path / "a.json").write_text(json.dumps({**HEADON, "duration": 1, "wall": []}), encoding="utf-8")
     simulate(tmp_path / "a.json")
-    assert "'wall' means nothing" in capsys.readouterr().err
+    assert "unknown key 'wall'" in capsys.readouterr().err

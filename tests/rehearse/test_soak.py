@@ -87,8 +87,8 @@ def watched(tmp_path):
     ("number", "danced", "begins", "words"),
     [
         (5, 20.0, True, "missed"),
-        (2, 12.5, False, "danced again"),
-        (4, 16.0, False, "is not told"),
+        (2, 12.5, False, "begins again"),
+        (4, 16.0, False, "do not match"),
         (3, 11.0, False, "goes back"),
         (3, float("nan"), False, "goes back"),
     ],
@@ -126,7 +126,7 @@ def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
     view.joint_position[(1, 3), 0, 2] = np.nan, np.inf
     watching.look(view, 3)
     assert watching.count == 1
-    assert "joint_position is no number in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
+    assert "joint_position is not finite in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
 
 
 def test_a_show_that_ends_in_an_exception_is_told_in_a_line_and_its_replay_in_another(tmp_path, monkeypatch):

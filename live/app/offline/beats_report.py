@@ -203,7 +203,7 @@ def print_table(file: Path, music: Music, beats: list[BeatEstimate], note: str) 
     if note:
         console.print(note)
     if not beats:
-        console.print(f"{file}: no beat was heard in {music.duration:.1f} s")
+        console.print(f"{file}: no beat was detected in {music.duration:.1f} s")
         return
     metre = _metre(beats)
     known = f"{metre} beats a measure" if metre is not None else "measures unknown"

@@ -35,7 +35,7 @@ def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None
         writable_file(file, option)
         if file is not None and file.exists() and not force:
             raise PersonError(
-                f"{option} {file}: the file is there already", "another name, or --force to write over it"
+                f"{option} {file}: the file exists already", "give another name, or --force to overwrite it"
             )
 
 
@@ -87,7 +87,7 @@ def print_dance(plan: Plan, *, as_json: bool) -> None:
     for column in ("measure", "clip", "join"):
         table.add_column(column, overflow="fold", justify="left" if column == "clip" else "right")
     for row, off in zip(rows[:SHOWN], wrong, strict=False):
-        clip = escape(row["clip"]) + (" [yellow](not as wanted)[/]" if off else "")
+        clip = escape(row["clip"]) + (" [yellow](differs)[/]" if off else "")
         table.add_row(str(row["measure"]), clip, f"{100.0 * row['cost']:.1f} cm")
     console = Console(highlight=False)
     console.print(table)
@@ -96,7 +96,7 @@ def print_dance(plan: Plan, *, as_json: bool) -> None:
     told = Console(stderr=True, highlight=False, soft_wrap=True)
     if wrong.any():
         told.print(
-            f"{wrong.sum()} of {len(rows)} measures {'is' if wrong.sum() == 1 else 'are'} not as wanted: "
+            f"{wrong.sum()} of {len(rows)} measures {'is' if wrong.sum() == 1 else 'are'} different: "
             "this is the nearest dance",
             style="yellow",
         )

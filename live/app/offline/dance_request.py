@@ -31,13 +31,13 @@ def read_text(sequence: str) -> str:
     file = Path(sequence[1:])
     try:
         if not file.is_file():
-            what = "that is no file" if file.exists() else "there is no such file"
+            what = "that is not a file" if file.exists() else "there is no such file"
             raise PersonError(f"--sequence @{file}: {what}", "after @ give a text file, its lines steps with commas")
         if os.path.getsize(file) > MOST_BYTES:
             raise PersonError(f"--sequence @{file}: a file of at most {MOST_BYTES // 1_000_000} MB expected")
         text = file.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        words = error.strerror if isinstance(error, OSError) and error.strerror else "it is no text in UTF-8"
+        words = error.strerror if isinstance(error, OSError) and error.strerror else "it is not a text in UTF-8"
         raise PersonError(f"--sequence {file}: cannot be read: {words}") from None
     lines = [line.split("#")[0].strip().strip(",") for line in text.splitlines()]
     return ",".join(line for line in lines if line)

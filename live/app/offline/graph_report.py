@@ -197,7 +197,7 @@ def dead_ends(report: Report) -> list[dict[str, Any]]:
         on, reached = whole.leads_on[node], whole.reached[node]
         why = "no way back" if on and reached else "nothing leads to it" if on else "it leads nowhere"
         if not on and not reached:
-            why = "nothing leads to it, and it leads nowhere"
+            why = "it has no transitions in or out"
         rows.append({"node": node, "words": library.describe(node), "why": why})
     return rows
 
@@ -325,7 +325,7 @@ def _print(report: Report, svg: Path | None) -> None:
     if len(ends) > SHOWN:
         say(f"and {len(ends) - SHOWN} more dead ends (--json has them all)", "yellow")
     if svg is not None:
-        say(f"\nthe picture is in {svg}", "green")
+        say(f"\npicture written: {svg}", "green")
 
 
 def _print_bridges(bridges: list[dict[str, Any]]) -> None:

@@ -295,7 +295,7 @@ def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
 
     def progress(time: float, report: Report) -> None:
         speed = time / report.took if report.took else 0.0
-        words = f"{time / 60.0:.0f} min, {speed:.1f} times as fast as life, {report.memory[-1][1]:.0f} MB"
+        words = f"{time / 60.0:.0f} min, {speed:.1f} times real time, {report.memory[-1][1]:.0f} MB"
         console.print(words, style="dim")
 
     report = Report(plan)
@@ -370,7 +370,7 @@ def tell_run(facts: Facts) -> None:
 def _tell_end(facts: dict[str, Any], console: Console) -> None:
     if "folder" in facts:
         console.print(f"journals: {facts['folder']}", soft_wrap=True, markup=False)
-    console.print("[green]nothing went wrong[/]" if facts["ok"] else "[red]this must not happen[/]")
+    console.print("[green]nothing went wrong[/]" if facts["ok"] else "[red]failed[/]")
 
 
 SHORT = ".min.jsonl"

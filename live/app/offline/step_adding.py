@@ -72,7 +72,7 @@ def _check(fields: dict[str, Any], listening: Listening) -> None:
     parse_number(listening.click, "--click", 20, 400)
     parse_number(listening.count, "--count", 1, 1000)
     if listening.click is not None and listening.song is not None:
-        raise PersonError("--click and --song: one of them", "--click for a click, --song for a music file")
+        raise PersonError("--click and --song exclude each other", "--click for a click, --song for a music file")
     if listening.count is not None and listening.click is None:
         raise PersonError("--count counts the beats of a click", f"--click BPM --count {listening.count}")
     if "bpm" in fields and "first_beat_s" in fields and (listening.click or listening.song):

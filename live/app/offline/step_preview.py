@@ -70,7 +70,7 @@ def play_step(preview: Preview) -> None:
     chosen = _chosen(list(step.clips), preview.variation)
     console = Console(stderr=True, highlight=False)
     if len(chosen) > MOST:
-        console.print(f"{len(chosen)} variations, the first {MOST} are shown; --variation N shows another")
+        console.print(f"{len(chosen)} variations, the first {MOST} are shown; select others with --variation N")
         chosen = chosen[:MOST]
     for number, clip in chosen:
         mirrored = ", mirrored" if clip.mirrored else ""
@@ -93,7 +93,7 @@ def play_step(preview: Preview) -> None:
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop
         film_show(options, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
-        console.print(f"the film is here: {preview.film.resolve()}", soft_wrap=True, markup=False)
+        console.print(f"film written: {preview.film.resolve()}", soft_wrap=True, markup=False)
         return
     if not preview.headless and not list_monitors():  # play_show then makes a film: name it after the step
         name = "".join(letter if letter.isalnum() else "-" for letter in step.name)

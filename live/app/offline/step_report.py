@@ -177,7 +177,7 @@ def _print_row(row: dict[str, Any]) -> None:
         for follower in row["followers"]:
             say(f"    {follower['step']:<24} {100 * follower['distance_m']:5.1f} cm, {follower['pairs']} joins")
     else:
-        say(f"  nothing can follow it within {row['threshold_m']:g} m: record a step that begins as it ends", "yellow")
+        say(f"  no step can follow it within {row['threshold_m']:g} m: record a step that begins as it ends", "yellow")
 
 
 def _told(row: dict[str, Any]) -> list[tuple[str, str]]:

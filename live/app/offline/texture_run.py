@@ -162,7 +162,7 @@ def enrich_library(
         text = textured_text(made.clips, sketches[file], facts | {"mirror": mirror})
         size = write_whole(text.encode(), textured_beside(Path(file)), "--library")
         _say(console, clips, made, size)
-    console.print("see one: live steps show STEP; taken away: live steps enrich --remove", style="dim")
+    console.print("see one: live steps show STEP; remove them: live steps enrich --remove", style="dim")
 
 
 def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
@@ -177,7 +177,7 @@ def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
     names = {plain_name(sketched_steps({file: text})[0].step): file for file, text in found.items()}
     unknown = [one for one in wanted if plain_name(one) not in names]
     if unknown:
-        raise PersonError(f"--step {unknown[0][:60]!r}: no sketch is called so", ", ".join(sorted(names)[:20]))
+        raise PersonError(f"--step {unknown[0][:60]!r}: there is no sketch of that name", ", ".join(sorted(names)[:20]))
     return {names[plain_name(one)]: found[names[plain_name(one)]] for one in wanted}
 
 

@@ -1,1 +1,1 @@
-"""Commands about beats: what is heard in a sound, and how well a clock follows. It may import every layer."""
+"""Commands for beats: beat tracking of sound, and checks of a MIDI clock. They may import every layer."""

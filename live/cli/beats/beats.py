@@ -1,4 +1,4 @@
-"""`live beats`: the beats of a sound, as a show hears them: while it comes in, without a look ahead."""
+"""Command `live beats`: causal beat tracking of a file or stream, as in a show."""
 
 import contextlib
 import sys
@@ -27,21 +27,21 @@ def beats(
     ] = None,
     timeline: Annotated[
         Path | None,
-        typer.Option(help="Write what the dancers' clock does, 64 lines a second.", metavar="OUT.csv", dir_okay=False),
+        typer.Option(help="Write the dancers' timeline, 64 lines per second.", metavar="OUT.csv", dir_okay=False),
     ] = None,
     tracker: Annotated[
-        Literal["network", "aubio"], typer.Option(help="What listens: our network, or aubio's tempo.")
+        Literal["network", "aubio"], typer.Option(help="Beat tracker: the built-in network, or aubio's tempo.")
     ] = "network",
-    tap_bpm: Annotated[float | None, typer.Option(help="Somebody taps this tempo once …", metavar="BPM")] = None,
+    tap_bpm: Annotated[float | None, typer.Option(help="Simulate one tap of this tempo …", metavar="BPM")] = None,
     at: Annotated[float | None, typer.Option(help="… at this time [s].", metavar="SECONDS")] = None,
     one_at: Annotated[
-        float | None, typer.Option(help='Somebody presses "this is the one" at this time [s].', metavar="SECONDS")
+        float | None, typer.Option(help='Simulate "this is the one" at this time [s].', metavar="SECONDS")
     ] = None,
 ) -> None:
-    """Listen to a file, or to what comes in on standard input, and say where the beats are.
+    """Track the beats of a music file, or of raw samples on standard input.
 
-    With --stdin a line `B time emitted beat` is printed for each beat, mostly a little before it comes; `R time
-    emitted` takes one back. A file gives a table of the beats, or JSON, CSV, or a sound to check them by ear.
+    With --stdin, each beat prints a line `B time emitted beat`, usually shortly before the beat; `R time emitted`
+    retracts one. With a file, the output is a table, JSON, CSV, or a sound with clicks.
     """
     from live.app.offline.beats_report import Ear, Seeds
     from live.app.option_values import parse_number
@@ -51,9 +51,9 @@ def beats(
     parse_number(at, "--at", 0, 36_000)
     parse_number(one_at, "--one-at", 0, 36_000)
     if stdin == (file is not None):
-        raise PersonError("live beats needs a FILE or --stdin, one of them", "live beats music.ogg")
+        raise PersonError("live beats needs either a FILE or --stdin", "live beats music.ogg")
     if stdin and (as_json or as_csv or click is not None):
-        raise PersonError("--json, --csv and --click are for files", "leave --stdin out and name a FILE")
+        raise PersonError("--json, --csv and --click are for files", "give a FILE instead of --stdin")
     if (tap_bpm is None) != (at is None):
         raise PersonError("--tap-bpm and --at belong together", "--tap-bpm 96 --at 5")
     seeds = Seeds(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
@@ -74,7 +74,7 @@ def _timeline_file(path: Path) -> "TimelineFile":
 
 
 def _stream(ear: "Ear") -> None:
-    """Blocks from standard input until it ends; each line is flushed. PersonError where they cannot be written."""
+    """Track blocks from standard input until it ends, and flush each line; raise PersonError if writing fails."""
     import numpy as np
 
     from live.app.offline.beats_report import lines_of
@@ -82,13 +82,13 @@ def _stream(ear: "Ear") -> None:
 
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
-        samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels take what can be written
+        samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels need writable arrays
         text = "".join(lines_of(beat) for beat in ear.feed(samples))
         try:
             if text:
                 out.write(text)
                 out.flush()
-        except BrokenPipeError:  # who read has enough
+        except BrokenPipeError:  # the reader closed the pipe
             raise
         except OSError as error:
             raise PersonError(f"the beats cannot be written ({error.strerror or error})") from None

@@ -1,4 +1,4 @@
-"""`live clock-check`: a recorded MIDI clock through the real decoder."""
+"""Command `live clock-check`: decodes a recorded MIDI clock with the show's decoder."""
 
 import json
 import math
@@ -18,13 +18,13 @@ _REMEDY = 'a stream has lines like {"t": 1.25, "m": [248]}: seconds, and the byt
 
 def clock_check(
     file: Annotated[Path, typer.Argument(help="A stream: JSON lines with t (seconds) and m (bytes).")],
-    metre: Annotated[int, typer.Option(help="Beats of a measure; MIDI does not tell.")] = 4,
+    metre: Annotated[int, typer.Option(help="Beats per measure, which MIDI clock does not contain.")] = 4,
     json_out: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Replay a recorded MIDI clock and print its beats, and its errors where NAME.beats lies beside it.
+    """Replay a recorded MIDI clock and print its beats, and their errors if NAME.beats is next to the file.
 
-    A line B has the time of the beat, when that was last known before it, beat and measure from 1, and the tempo.
-    NAME.beats holds a line for each true beat: seconds, beat of the measure from 1, bpm.
+    A line B has the time of the beat, the time of its last prediction, beat and measure from 1, and the tempo.
+    NAME.beats has a line for each true beat: seconds, beat of the measure from 1, bpm.
     """
     from dataclasses import asdict
 
@@ -58,7 +58,7 @@ def clock_check(
 
 
 def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    """NaN is no JSON: null."""
+    """Replace NaN, which JSON does not have, with None."""
     return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in values.items()}
 
 
@@ -72,7 +72,7 @@ def _print(report: "ClockReport") -> None:
         print(f"B {beat.time:.6f} {beat.emitted:.6f} {where} {beat.bpm:.3f}")
     for state in report.states:
         print(f"# {state.time:.3f} {state.state}" + (f" ({state.detail})" if state.detail else ""))
-    print(f"# {report.pulses} pulses, {report.lost} lost and counted by time, {report.rejected} messages rejected")
+    print(f"# {report.pulses} pulses, {report.lost} lost and filled in by time, {report.rejected} messages rejected")
 
 
 def _lines(file: Path) -> list[str]:
@@ -87,7 +87,7 @@ def _lines(file: Path) -> list[str]:
 
 
 def read_stream(file: Path) -> tuple[dict[str, Any], list[tuple[float, list[int]]]]:
-    """The header (may be absent) and the messages (time [s], bytes) of a stream; PersonError names the line."""
+    """Return the header ({} if absent) and messages (time [s], bytes) of a stream; raise PersonError with the line."""
     header: dict[str, Any] = {}
     messages: list[tuple[float, list[int]]] = []
     for number, line in enumerate(_lines(file), start=1):
@@ -124,7 +124,7 @@ def _message(data: object) -> tuple[float, list[int]] | None:
 
 
 def read_beats(file: Path) -> "list[TrueBeat]":
-    """The true beats in `file`; PersonError names the line."""
+    """Return the true beats in `file`; raise PersonError with the line."""
     from live.clock.midi.clock_report import TrueBeat
 
     beats = []

@@ -1,4 +1,4 @@
-"""`live check`: is this patch good? Names file, line, field and remedy if it is not. And is the hall ready for it?"""
+"""Command `live check`: checks a patch, and with --venue the hall; errors name file, line, field and remedy."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,17 +12,17 @@ if TYPE_CHECKING:
 def check(
     patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
     steps: Annotated[
-        Path | None, typer.Option(help="Check it with the recordings of this folder.", file_okay=False)
+        Path | None, typer.Option(help="Check with the recordings of this folder.", file_okay=False)
     ] = None,
     venue: Annotated[
-        str | None, typer.Option(help="And the hall: its devices, ports, monitors, disk space.", metavar="NAME")
+        str | None, typer.Option(help="Also check the hall: devices, ports, monitors, disk space.", metavar="NAME")
     ] = None,
-    osc: Annotated[str, typer.Option(help="Where the show will receive OSC.", metavar="HOST:PORT")] = "127.0.0.1:9010",
-    as_json: Annotated[bool, typer.Option("--json", help="All that --venue looks at, as one JSON object.")] = False,
+    osc: Annotated[str, typer.Option(help="The show's OSC address.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    as_json: Annotated[bool, typer.Option("--json", help="Print all checks of --venue as one JSON object.")] = False,
 ) -> None:
-    """Check a patch with its steps and music, without playing it; with --venue all that a show needs there.
+    """Check a patch with its steps and music, without playing it; with --venue, also the hall's equipment.
 
-    Exit 1 if something that is needed is missing.
+    Exit 1 if something required is missing.
     """
     from rich.console import Console
 
@@ -30,8 +30,8 @@ def check(
     from live.base.errors import PersonError
     from live.show.patch.patch_search_path import find_patch
 
-    find_patch(patch)  # a name that nobody knows is told before seconds of loading
-    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    find_patch(patch)  # reports an unknown name before seconds of loading
+    warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.app.session_audio import choose_sound
     from live.rehearse.lint import all_doubts
@@ -65,7 +65,7 @@ def check(
 
 
 def _tell(checks: "list[Check]", *, as_json: bool) -> None:
-    """The table, or JSON; exit 1 if something that is needed is missing."""
+    """Print a table or JSON; exit 1 if something required is missing."""
     import json
     from dataclasses import asdict
 
@@ -81,7 +81,7 @@ def _tell(checks: "list[Check]", *, as_json: bool) -> None:
     console.print(table_of(checks))
     limited = sum(check.state == "limited" for check in checks)
     if not ready:
-        console.print("[red]Doors stay shut:[/] do what the last column says.")
+        console.print("[red]Not ready:[/] follow the last column.")
     else:
-        console.print("[green]Doors may open[/]" + (f", with {limited} limits." if limited else "."))
+        console.print("[green]Ready[/]" + (f", with {limited} limitations." if limited else "."))
     raise typer.Exit(0 if ready else 1)

@@ -1,4 +1,4 @@
-"""`live contact-sheet`: a whole show as one picture."""
+"""Command `live contact-sheet`: draws pictures of a whole show on one sheet."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,27 +14,25 @@ if TYPE_CHECKING:
     from live.show.show import Show
 
 PICTURES = 24
-"""Pictures of a sheet, nearly, if nobody says how many measures lie between them."""
+"""Approximate number of pictures of a sheet without --every."""
 
 
 def contact_sheet(
     show: Annotated[str, typer.Argument(help="A journal, or a patch.", metavar="JOURNAL|PATCH")],
     out: Annotated[Path, typer.Option(help="The picture to write.", metavar="FILE.png")],
     every: Annotated[
-        int | None, typer.Option(min=1, help="A picture of every so many measures. Default: some two dozen in all.")
+        int | None, typer.Option(min=1, help="Measures between pictures. Default: about 24 pictures in all.")
     ] = None,
-    columns: Annotated[int, typer.Option(min=1, max=24, help="Pictures in a row.")] = 4,
+    columns: Annotated[int, typer.Option(min=1, max=24, help="Pictures per row.")] = 4,
     width: Annotated[int, typer.Option(min=160, max=1920, help="Width of each picture in pixels.")] = 480,
     seconds: Annotated[
         float | None, typer.Option(help="Length of a patch's show. Default: the music's, the score's, or 60 s.")
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all chance in a patch's show.")
-    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Random seed of a patch's show.")] = None,
     light: Annotated[bool, typer.Option("--light", help="Dark on light, for paper.")] = False,
-    fine: Annotated[bool, typer.Option("--fine", help="Draw as a graphics card would even without one.")] = False,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw at GPU quality even without a GPU.")] = False,
 ) -> None:
-    """Draw a contact sheet: pictures of a show with measure, section, cue, and what each group dances."""
+    """Draw a contact sheet: pictures of a show with measure, section, cue, and each group's step."""
     import contextlib
     from dataclasses import replace
 
@@ -49,7 +47,7 @@ def contact_sheet(
     if out.suffix.lower() not in (".png", ".jpg"):
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
     console = Console(stderr=True, highlight=False)
-    warm_kernels(console)  # before anything is imported that has kernels
+    warm_kernels(console)  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.app.offline.film import canvas
     from live.app.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
@@ -69,17 +67,17 @@ def contact_sheet(
                 console.print(f"measure {taken.measure}", end="\r")
                 if sheet.measures(len(pictures))[1] > TALLEST:
                     raise PersonError(
-                        f"{len(pictures)} pictures are too many for a sheet", "--every with more measures, or --columns"
+                        f"{len(pictures)} pictures are too many for a sheet", "give a larger --every, or more --columns"
                     )
     if not pictures:
-        raise PersonError(f"{show}: no measure of it is long enough for a picture", "more --seconds")
+        raise PersonError(f"{show}: no measure in it is long enough for a picture", "give more --seconds")
     last = pictures[-1][1]
     told = f"to measure {last.measure}   {int(last.seconds) // 60}:{int(last.seconds) % 60:02d}"
     drawn = sheet.draw(pictures, loaded.patch.name, told)
     try:
         drawn.save(out)
     except OSError as error:
-        raise PersonError(f"--out {out}: it cannot be written: {error.strerror or error}") from None
+        raise PersonError(f"--out {out}: cannot be written: {error.strerror or error}") from None
     console.print(f"{len(pictures)} pictures: {out.resolve()}", soft_wrap=True, markup=False)
 
 
@@ -112,7 +110,7 @@ def _of_patch(
     loaded = options.load()
     sound = choose_sound(options, loaded)
     if sound.device is not None:
-        raise PersonError(f"{options.patch}: it listens to a device; a journal of it can be drawn")
+        raise PersonError(f"{options.patch}: its sound comes from a device; record a journal and draw that")
     show = loaded.start(seed=options.seed, tempo=start_tempo(options, loaded, sound))
     measure = show.timeline.beats_per_measure * 60.0 / show.timeline.tempo
     length = seconds or (sound.music.duration if sound.music is not None else _written(show, measure))
@@ -121,13 +119,13 @@ def _of_patch(
 
 
 def _written(show: "Show", measure: float) -> float:
-    """How long the score is [s] if its measures are; a minute where it has no end."""
+    """Return the length of the score [s] for measures of `measure` [s]; a minute if it has no end."""
     length = show.playhead.length
     return 60.0 if length is None else length * measure
 
 
 def _apart(measures: int) -> int:
-    """Measures between two pictures of some two dozen: 1, 2, 4, 8 ..."""
+    """Return the number of measures between pictures: the power of two that gives about two dozen."""
     every = 1
     while measures / every > PICTURES:
         every *= 2

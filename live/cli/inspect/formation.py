@@ -1,4 +1,4 @@
-"""`live formation SPEC`: a formation seen from above, and the ways into it."""
+"""Command `live formation`: draws a formation from above, and the dancers' paths into it."""
 
 import json
 from pathlib import Path
@@ -28,22 +28,22 @@ def formation(
         ),
     ],
     svg: Annotated[
-        Path | None, typer.Option(help="Draw it, seen from above, the public below.", metavar="OUT.svg")
+        Path | None, typer.Option(help="Draw it from above, with the audience below.", metavar="OUT.svg")
     ] = None,
     dancers: Annotated[
-        int | None, typer.Option(help=f"How many. Default: what SPEC says, or {DEFAULT_DANCERS}.")
+        int | None, typer.Option(help=f"Number of dancers. Default: as in SPEC, or {DEFAULT_DANCERS}.")
     ] = None,
     from_: Annotated[
-        str | None, typer.Option("--from", help="Draw the ways from this formation, too.", metavar="SPEC2")
+        str | None, typer.Option("--from", help="Also draw the paths from this formation.", metavar="SPEC2")
     ] = None,
     stage: Annotated[str, typer.Option(help="Width and depth of the stage in metres.", metavar="WxD")] = "12x8",
-    seed: Annotated[int, typer.Option(help="Seed of all chance.")] = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="Print places, distances and warnings as JSON.")] = False,
+    seed: Annotated[int, typer.Option(help="Random seed.")] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print slots, distances and warnings as JSON.")] = False,
 ) -> None:
-    """Draw a formation with its dancers, and who goes where into it; say whether it fits the stage.
+    """Draw a formation and the dancers' paths into it, and report whether it fits the stage.
 
-    Ways are straight, matched so that the squared distances are least: dancers who leave together never collide if
-    all places are more than 0.71 m apart.
+    Paths are straight, with slots assigned for the least sum of squared distances: dancers who start together never
+    collide if all slots are more than 0.71 m apart.
     """
     from rich.console import Console
 
@@ -73,7 +73,7 @@ def formation(
 
 
 def read_spec(words: str) -> "FormationSpec":
-    """The spec that a file or short words say; PersonError if they say none."""
+    """Return the spec in a file or in short notation; raise PersonError if there is none."""
     from live.agents.formations.formation_notation import spec_from_words
     from live.agents.formations.formation_spec import spec_from_table
     from live.agents.formations.svg_import import svg_file_paths
@@ -92,7 +92,7 @@ def read_spec(words: str) -> "FormationSpec":
 
 
 def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
-    """The formation in a file: its own keys, a table [formation], or one of several [[formation]] by name."""
+    """Return a formation's table in a file: the top level, [formation], or one of several [[formation]] by name."""
     import tomllib
 
     from live.base.errors import PersonError
@@ -120,7 +120,7 @@ def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
             raise PersonError(f"{path}: no formation is called {wanted!r}; there are: {', '.join(names)}")
         return tables[names.index(wanted)]
     if len(tables) > 1:
-        raise PersonError(f"{path}: has {len(tables)} formations", f"say which: {path}:{names[0]}")
+        raise PersonError(f"{path}: has {len(tables)} formations", f"name one: {path}:{names[0]}")
     return tables[0]
 
 
@@ -150,7 +150,7 @@ def _parse_stage(text: str) -> tuple[float, float]:
 
 
 def _own_count(spec: "FormationSpec") -> int:
-    """As many dancers as the spec has places for, so that nobody is over."""
+    """Return the number of dancers for which the spec has slots."""
     from live.agents.formations.formation import formation_of
 
     if spec.count is None and spec.density is None and spec.spacing is None:
@@ -159,7 +159,7 @@ def _own_count(spec: "FormationSpec") -> int:
 
 
 def _who_goes_where(before: "Formation", after: "Formation") -> "npt.NDArray[np.int32]":
-    """The place in `after` of the dancer on each place of `before`, -1 for none."""
+    """Return the slot in `after` of the dancer in each slot of `before`, -1 for none."""
     from live.agents.evolutions.slot_assignment import assign
 
     return assign(before.slots, after.slots)
@@ -215,7 +215,7 @@ def _as_json(
     before: "Formation | None",
     slot: "npt.NDArray[np.int32] | None",
 ) -> "dict[str, Any]":
-    """Points are [x, z] in metres, headings radians, sections from 1 (null: none), places from 1 in the order here."""
+    """Return the report: points [x, z] in metres, headings in radians, sections from 1 (null: none), slots from 1."""
     import numpy as np
 
     report: dict[str, Any] = {

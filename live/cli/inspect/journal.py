@@ -1,7 +1,4 @@
-"""`live journal show | diff | export`: what is in a journal.
-
-A journal as a table: a row for each event and each measure, for any spreadsheet.
-"""
+"""Commands `live journal show | diff | export`: print, compare and convert journals."""
 
 import csv
 import json
@@ -19,9 +16,7 @@ if TYPE_CHECKING:
     from live.show.journal.journal_reader import Journal, Survey
 
 
-app = typer.Typer(
-    help="Read the journal of a show: what happened, where two differ, as MIDI or CSV.", no_args_is_help=True
-)
+app = typer.Typer(help="Read journals of shows: print, compare, or convert to MIDI or CSV.", no_args_is_help=True)
 FILE = Annotated[Path, typer.Argument(help="A journal written by --journal.")]
 
 
@@ -42,7 +37,7 @@ def show(
     events: Annotated[bool, typer.Option("--events", help="List every event as well.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
-    """How long, how many measures, which events from whom, and what is damaged."""
+    """Print duration, number of measures, events by source, and damaged lines."""
     import json
 
     from rich.console import Console
@@ -113,7 +108,7 @@ def _tell(found: "Survey", console: Any) -> None:
     kept = facts["snapshots"]
     console.print(
         f"{facts['bytes'] / 1e6:.2f} MB, {len(kept['measures'])} snapshots in {kept['bytes'] / 1e6:.2f} MB; "
-        f"{facts['skipped_ticks']} ticks left out in stalls"
+        f"{facts['skipped_ticks']} ticks skipped in stalls"
     )
     table = Table("source", "event", "count")
     for row in facts["events"]:
@@ -147,10 +142,10 @@ def _list(journal: "Journal", console: Any) -> None:
 @app.command("diff")
 def diff(
     first: FILE,
-    second: Annotated[Path, typer.Argument(help="Another one.")],
+    second: Annotated[Path, typer.Argument(help="Another journal.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Where two journals part: the first event and the first state that differ. Exit 1 if there are any."""
+    """Print the first event and the first state that differ between two journals. Exit 1 if there are any."""
     import json
 
     from rich.console import Console
@@ -172,12 +167,12 @@ def diff(
         if found.none:
             console.print(f"the same show: {found.events[0]} events, {found.measures[0]} measures")
         if found.header:
-            console.print(f"begun differently: {', '.join(found.header)}", markup=False)
+            console.print(f"different headers: {', '.join(found.header)}", markup=False)
         if found.event is not None:
-            console.print(f"first other event ({found.events[0]} | {found.events[1]} in all):")
+            console.print(f"first different event ({found.events[0]} | {found.events[1]} in all):")
             console.print(f"  {found.event.in_words()}", markup=False)
         if found.state is not None:
-            console.print(f"first other state ({found.measures[0]} | {found.measures[1]} measures):")
+            console.print(f"first different state ({found.measures[0]} | {found.measures[1]} measures):")
             console.print(f"  {found.state.in_words()}", markup=False)
     if not found.none:
         raise typer.Exit(1)
@@ -190,7 +185,7 @@ def export(
         Path, typer.Argument(help="A MIDI file (beats, markers, steps) or a table.", metavar="OUT.mid|OUT.csv")
     ],
 ) -> None:
-    """As a MIDI file (the show is run once more for it), or as a table with a row for each event and measure."""
+    """Export as a MIDI file (which replays the show), or as a table with a row for each event and measure."""
     from rich.console import Console
 
     from live.app.option_values import writable_file
@@ -221,7 +216,7 @@ COLUMNS = ("line", "tick", "seconds", "measure", "kind", "source", "values")
 
 
 def write_table(journal: Journal, out: Path) -> None:
-    """Write it row by row; PersonError if that fails. `values` are JSON; a measure's is its hash."""
+    """Write the journal as CSV; raise PersonError if that fails. `values` are JSON; a measure's is its state hash."""
     try:
         with out.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)

@@ -1,4 +1,4 @@
-"""`live score PATCH`: the timeline of a show, a box for each measure: sections, signals, steps, motion, calls."""
+"""Command `live score`: prints or draws a show's score by measures: sections, signals, steps, motion, calls."""
 
 import json
 from pathlib import Path
@@ -12,16 +12,15 @@ if TYPE_CHECKING:
 
 def score(
     patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
-    svg: Annotated[Path | None, typer.Option(help="Draw it, a box for each measure.", metavar="OUT.svg")] = None,
-    steps: Annotated[Path | None, typer.Option(help="Dance the recordings of this folder.", file_okay=False)] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of what is improvised. Default: the patch's.")] = None,
-    per_row: Annotated[int, typer.Option("--per-row", help="Measures in a row of the picture.")] = 16,
+    svg: Annotated[Path | None, typer.Option(help="Draw it with a box for each measure.", metavar="OUT.svg")] = None,
+    steps: Annotated[Path | None, typer.Option(help="Use the recordings of this folder.", file_okay=False)] = None,
+    seed: Annotated[int | None, typer.Option(help="Random seed of improvised steps. Default: the patch's.")] = None,
+    per_row: Annotated[int, typer.Option("--per-row", help="Measures per row of the picture.")] = 16,
     as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
 ) -> None:
-    """Print or draw the score of a patch as it is written, every section once.
+    """Print or draw the score of a patch as written, every section once.
 
-    Steps with ~ are drawn by chance: what is danced depends on where dancers are, too. Steps in brackets are the
-    group's own.
+    Steps with ~ are chosen at random, in a show also by the dancers' positions. Steps in brackets are the group's own.
     """
     from rich.console import Console
 
@@ -29,8 +28,8 @@ def score(
     from live.app.option_values import parse_number
     from live.show.patch.patch_search_path import find_patch
 
-    find_patch(patch)  # a name that nobody knows is told before seconds of loading
-    warm_kernels(Console(stderr=True))  # before anything is imported that has kernels
+    find_patch(patch)  # reports an unknown name before seconds of loading
+    warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.show.score.score_sheet import sheet_of
 
@@ -51,7 +50,7 @@ def score(
 
 
 def described(sheet: "Sheet") -> list[str]:
-    """The sheet in words: under each section what begins with which measure."""
+    """Return the sheet as text lines: under each section, the boxes of each track with their measures."""
     lines = []
     sections = next(track for track in sheet.tracks if track.name == "section")
     for section in sections.boxes:

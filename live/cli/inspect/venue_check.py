@@ -1,4 +1,4 @@
-"""What `live check SHOW --venue V` looks at before doors open: the show, its score, and the hall's devices."""
+"""Checks of `live check SHOW --venue V`: the show, its score, and the hall's devices."""
 
 import shutil
 import socket
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 ANSWER_S = 2.0
-"""Seconds that the show's own packet may take."""
+"""Time-out of the OSC test packet [s]."""
 ROOM_MB = (300.0, 2000.0)
-"""Free disk space [MB]: below the first no journal of a night fits, below the second no film."""
+"""Minimum free disk space [MB] for the journal of one evening, and for a film."""
 
 
 def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
-    """Steps that do not connect, and everything about the score that is doubtful."""
+    """Yield checks of the transitions between steps, and warnings about the score."""
     from live.rehearse.lint import all_doubts
 
     graph = loaded.graph
@@ -43,11 +43,11 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
 
 
 def output_checks(venue: Venue, name: str | None) -> Iterator[Check]:
-    """The projectors of a venue: their monitors, and their masks."""
+    """Yield checks of a venue's projectors: their monitors and masks."""
     from live.app.output_config import outputs_of
 
     if venue.operator is not None:
-        yield _told("operator", partial(_monitor, venue.operator, "the operator's own window"), "plug it in")
+        yield _told("operator", partial(_monitor, venue.operator, "the operator window"), "plug it in")
     for output in outputs_of(venue, name) if venue.output else ():
         what = f"output {output.name}"
         if output.monitor is not None:
@@ -70,7 +70,7 @@ def _mask(output: "Output") -> str:
 
 
 def _told(what: str, look: Callable[[], str], remedy: str) -> Check:
-    """What is there, or why it is not."""
+    """Return a check with the text of `look`, or its error."""
     try:
         return Check(what, "ok", look(), needed=True)
     except PersonError as error:
@@ -78,7 +78,7 @@ def _told(what: str, look: Callable[[], str], remedy: str) -> Check:
 
 
 def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check]:
-    """The devices and projectors that a venue names; `name` is its own."""
+    """Yield checks of the devices and projectors that a venue names; `name`: the venue's."""
     if venue is None:
         return
     yield from output_checks(venue, name)
@@ -102,7 +102,7 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
 
 
 def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
-    """The certificate by which the audience's phones are met: its files, and how long it is good."""
+    """Yield checks of the audience server's TLS certificate: its files and validity."""
     from live.app.services.audience_tls import files_of, read_identity
 
     files = files_of(venue.audience, name)
@@ -112,28 +112,28 @@ def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
         identity = read_identity(*files, name="audience.certificate")
     except PersonError as error:
         yield Check(
-            "audience.certificate", "missing", error.message, error.remedy or "have it issued anew", needed=True
+            "audience.certificate", "missing", error.message, error.remedy or "have it issued again", needed=True
         )
         return
     doubts = identity.doubt(datetime.now(UTC), identity.host or identity.names[0] if identity.names else "")
     for words in doubts:
-        yield Check("audience.certificate", "limited", words, "renew it, or put its files right")
+        yield Check("audience.certificate", "limited", words, "renew it, or correct its files")
     if not doubts:
         words = f"{identity.host or ', '.join(identity.names)}, until {identity.ends:%Y-%m-%d}"
         yield Check("audience.certificate", "ok", words, needed=True)
 
 
 def _device(what: str, name: str, there: Section) -> Check:
-    """Whether a device of that name, or with that in its name, is there."""
+    """Check for a device whose name contains `name`."""
     found = [str(item["name"]) for item in there.items if name.casefold() in str(item["name"]).casefold()]
     if found:
         return Check(what, "ok", found[0], needed=True)
     known = ", ".join(str(item["name"]) for item in there.items) or there.why or "none"
-    return Check(what, "missing", f"{name!r} is not there", f"plug it in, or name one of: {known}", needed=True)
+    return Check(what, "missing", f"{name!r} not found", f"plug it in, or name one of: {known}", needed=True)
 
 
 def check_osc(host: str, port: int) -> Check:
-    """Whether the show would hear OSC there: it listens for a moment, and sends itself a packet."""
+    """Check that the show can receive OSC at this address: listen, and send a test packet."""
     from live.base.event_queue import Lane
     from live.clock.time_source import SystemClock
     from live.control.osc.osc_server import CannotListen, OscInput
@@ -163,13 +163,13 @@ def _answered(listener: object, host: str) -> Check:
             probe.sendto(packet, address[4])
             probe.recv(1024)
     except OSError as error:
-        words = f"udp {host}:{port}: a packet to itself is not answered ({error})"
-        return Check("OSC", "missing", words, "look at the firewall", needed=True)
-    return Check("OSC", "ok", f"udp {host}:{port}: its own packet was answered", needed=True)
+        words = f"udp {host}:{port}: a test packet is not answered ({error})"
+        return Check("OSC", "missing", words, "check the firewall", needed=True)
+    return Check("OSC", "ok", f"udp {host}:{port}: the test packet was answered", needed=True)
 
 
 def check_disk(folder: Path) -> Check:
-    """Room for a journal and for a film."""
+    """Check disk space for a journal and for a film."""
     try:
         free = shutil.disk_usage(folder).free / 1e6
     except OSError as error:
@@ -177,14 +177,14 @@ def check_disk(folder: Path) -> Check:
     detail = f"{free / 1000.0:.1f} GB free in {folder}"
     least, enough = ROOM_MB
     if free < least:
-        return Check("disk", "missing", f"{detail}: no room for a journal", "make room", needed=True)
+        return Check("disk", "missing", f"{detail}: no space for a journal", "free some space", needed=True)
     if free < enough:
-        return Check("disk", "limited", f"{detail}: enough for a journal, not for a film", "make room")
+        return Check("disk", "limited", f"{detail}: enough for a journal, not for a film", "free some space")
     return Check("disk", "ok", detail, needed=True)
 
 
 def check_music(loaded: LoadedShow) -> Check:
-    """The patch's music."""
+    """Check that the patch's music file exists."""
     try:
         path = loaded.music_path
     except PersonError as error:
@@ -195,7 +195,7 @@ def check_music(loaded: LoadedShow) -> Check:
 def all_before_doors(
     loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int], name: str | None = None
 ) -> list[Check]:
-    """Every check, in the order of the table; `name` is the venue's."""
+    """Return every check in table order; `name`: the venue's."""
     return [
         *show_checks(loaded, show),
         check_music(loaded),

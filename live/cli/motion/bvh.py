@@ -1,4 +1,4 @@
-"""`live bvh`: what a motion file holds and what is strange about it."""
+"""Command `live bvh`: prints the contents of a motion file, with warnings about irregularities."""
 
 import json
 from pathlib import Path
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 def bvh(
     file: Annotated[Path, typer.Argument(help="A .bvh, .amc, .glb, .gltf, .vrm, .vrma or AMASS .npz file.")],
-    fps: Annotated[float | None, typer.Option(help="Its true frame rate, where the file lies.")] = None,
+    fps: Annotated[float | None, typer.Option(help="The true frame rate, if the header is wrong.")] = None,
     unit: Annotated[float | None, typer.Option(help="Metres per unit.", metavar="METRES")] = None,
     up: Annotated[str | None, typer.Option(help="The axis that points up.", metavar="Y|Z")] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf beside it.", metavar="FILE.asf")
+        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf next to it.", metavar="FILE.asf")
     ] = None,
     joints: Annotated[
         Path | None,
@@ -27,7 +27,7 @@ def bvh(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Say what a motion file holds: joints, rate, axes, unit, floor, the way it goes, and everything strange."""
+    """Print the facts of a motion file: joints, frame rate, axes, unit, floor, travel, and warnings."""
     from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
     from live.library.motion_file import read_motion
@@ -39,10 +39,10 @@ def bvh(
     if up is not None and up.upper() not in ("Y", "Z"):
         raise PersonError(f"--up {up!r}: Y or Z expected")
     writable_file(joints, "--joints")
-    if joints is not None and joints.suffix.lower() != ".npz":  # a recording named by mistake would be lost
+    if joints is not None and joints.suffix.lower() != ".npz":  # else a recording named by mistake would be overwritten
         raise PersonError(f"--joints {joints}: a name that ends in .npz expected", f"--joints {joints.stem}.npz")
     if joints is not None and joints.exists() and file.exists() and joints.samefile(file):
-        raise PersonError(f"--joints {joints}: that is the file to be read", "give the new file another name")
+        raise PersonError(f"--joints {joints}: that is the input file", "give the new file another name")
     axis: UpAxis | None = None if up is None else "Z" if up.upper() == "Z" else "Y"
     try:
         motion = read_motion(file, skeleton=skeleton, up=axis)
@@ -60,7 +60,7 @@ def bvh(
 
 
 def facts_json(facts: "MotionFacts") -> dict[str, Any]:
-    """The object that `--json` prints; a warning is {what}, with `frame` (from 0) or `line` (from 1) if it has one."""
+    """Return the object that `--json` prints; a warning is {what}, and if known `frame` (from 0) or `line` (from 1)."""
     from dataclasses import fields
 
     values = {field.name: getattr(facts, field.name) for field in fields(facts)}
@@ -97,10 +97,10 @@ def _table(file: str, facts: "MotionFacts") -> "Table":
 
 
 def _rows(facts: "MotionFacts") -> list[tuple[str, str]]:
-    """The facts in words, a line each."""
+    """Return the facts as pairs of label and text."""
 
     def metres(value: float | None) -> str:
-        return "cannot be told" if value is None else f"{value:.3g} m"
+        return "unknown" if value is None else f"{value:.3g} m"
 
     declared = "" if facts.frames == facts.frames_declared else f" (the file says {facts.frames_declared})"
     header = "" if facts.fps == facts.header_fps else f" (the file says {facts.header_fps:.6g})"
@@ -108,16 +108,16 @@ def _rows(facts: "MotionFacts") -> list[tuple[str, str]]:
         "zero": "none",
         "add": "to be added to its position channels",
         "replace": "already in its position channels",
-        None: "cannot be told",
+        None: "unknown",
     }
     rows = [
-        ("skeleton", f"{facts.joints} joints, {facts.end_sites} ends, {facts.channels} numbers a frame"),
+        ("skeleton", f"{facts.joints} joints, {facts.end_sites} end sites, {facts.channels} channels"),
         ("frames", f"{facts.frames}{declared}, {facts.fps:.6g} a second{header}: {facts.seconds:.2f} s"),
-        ("unit, up axis", f"{metres(facts.unit_m)}, {facts.up or 'cannot be told'}"),
+        ("unit, up axis", f"{metres(facts.unit_m)}, {facts.up or 'unknown'}"),
         ("root offset", offset[facts.root_offset]),
         ("floor", f"{metres(facts.floor_m)} over zero"),
         ("body height", metres(facts.height_m)),
-        ("way of the hips", metres(facts.travel_m)),
+        ("travel of the hips", metres(facts.travel_m)),
     ]
     rows += [(engine, source or "-") for engine, source in facts.mapped.items()]
     for one in facts.warnings:

@@ -1,4 +1,4 @@
-"""`live character`: what a model brings along, which of its bones were found, and a picture of it dancing."""
+"""Command `live character`: prints facts of a character model and the bones found, and can draw it dancing."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,17 +11,18 @@ if TYPE_CHECKING:
 
 def character(
     file: Annotated[Path, typer.Argument(help="A .glb, .gltf or .vrm file.", metavar="FILE")],
-    out: Annotated[Path | None, typer.Option(help="Draw it dancing into this picture.", metavar="FILE.png")] = None,
-    step: Annotated[str | None, typer.Option(help="The step that it dances there. Default: the first.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Draw it dancing and write the picture.", metavar="FILE.png")] = None,
+    step: Annotated[str | None, typer.Option(help="The step to draw. Default: the first.")] = None,
     joint: Annotated[
-        list[str] | None, typer.Option(help="A bone whose name does not say it; again for each.", metavar="JOINT=BONE")
+        list[str] | None,
+        typer.Option(help="Map a joint to a bone that is not found by name; may be repeated.", metavar="JOINT=BONE"),
     ] = None,
     size: Annotated[str, typer.Option(help="Width and height of the picture.", metavar="WxH")] = "1280x720",
-    as_json: Annotated[bool, typer.Option("--json", help="All of it as one JSON object.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Look at a character before it is on the stage: bones, triangles, images, size, licence.
+    """Inspect a character file: bones, triangles, images, size, licence.
 
-    In a patch it is a [[character]] with this file and, if need be, joints = { JOINT = "BONE" }.
+    In a patch, add a [[character]] with this file and, if needed, joints = { JOINT = "BONE" }.
     """
     import json
 
@@ -52,7 +53,7 @@ def character(
 
         draw_character(said, out, step, parse_size(size))
         if not as_json:
-            console.print(f"the picture is here: {out.resolve()}", soft_wrap=True, markup=False)
+            console.print(f"picture written: {out.resolve()}", soft_wrap=True, markup=False)
 
 
 def _joint(said: str, names: tuple[str, ...]) -> tuple[str, str]:
@@ -65,7 +66,7 @@ def _joint(said: str, names: tuple[str, ...]) -> tuple[str, str]:
 
 
 def facts(loaded: "Character") -> dict[str, Any]:
-    """All that is told of a character, as plain values."""
+    """Return the facts of a character as plain values."""
     model = loaded.model
     return {
         "file": model.file,
@@ -96,9 +97,9 @@ def _told(loaded: "Character") -> list[str]:
         f"  images: {told['images']}, drawn at {told['image_pixels']} x {told['image_pixels']} pixels",
         f"  materials: {', '.join(told['materials']) or 'none'}",
         f"  bones: {len(found)} of {len(told['joints'])} joints found"
-        + (f"; without {', '.join(missing)}, which are made up" if missing else ""),
+        + (f"; without {', '.join(missing)}, which are synthesised" if missing else ""),
         "    " + ", ".join(f"{name} = {bone}" for name, bone in found.items()),
-        f"  proportions: a joint lies {told['farthest_joint_m'] * 100:.0f} cm from the dancer's at most",
+        f"  proportions: joints are at most {told['farthest_joint_m'] * 100:.0f} cm from the dancer's",
     ]
-    lines += [f"  {words}: {said}" for words, said in model.licence.items()] or ["  licence: the file says nothing"]
+    lines += [f"  {words}: {said}" for words, said in model.licence.items()] or ["  licence: none in the file"]
     return lines + [f"  note: {note}" for note in model.notes]

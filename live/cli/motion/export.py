@@ -1,4 +1,4 @@
-"""`live export`: engine motion out again, as BVH or glTF for Blender, as .vrma for VRM avatars."""
+"""Command `live export`: writes recordings and steps as BVH or glTF for Blender, or as .vrma for VRM avatars."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,26 +19,26 @@ def export(
     source: Annotated[str, typer.Argument(help="A motion file, or the name of a step.", metavar="FILE|STEP")],
     to: Annotated[Path, typer.Option(help="The file to write.", metavar="OUT.bvh|OUT.glb|OUT.vrma")],
     rate: Annotated[
-        str, typer.Option(help="Frames per second; 'source' keeps those of the file, one to one.", metavar="HZ|source")
+        str, typer.Option(help="Frames per second; 'source' keeps the frames of the file.", metavar="HZ|source")
     ] = "60",
-    force: Annotated[bool, typer.Option("--force", help="Write over OUT if it is there.")] = False,
-    fps: Annotated[float | None, typer.Option(help="FILE: its true frame rate, where its header lies.")] = None,
-    unit: Annotated[float | None, typer.Option(help="FILE: metres per unit, to have its size checked.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite OUT if it exists.")] = False,
+    fps: Annotated[float | None, typer.Option(help="FILE: its true frame rate, if its header is wrong.")] = None,
+    unit: Annotated[float | None, typer.Option(help="FILE: metres per unit, to check its size.")] = None,
     up: Annotated[str | None, typer.Option(help="FILE: the axis that points up.", metavar="Y|Z")] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf beside it.", metavar="FILE.asf")
+        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf next to it.", metavar="FILE.asf")
     ] = None,
-    drop_frames: Annotated[int | None, typer.Option(help="FILE: leave out so many frames at its start.")] = None,
+    drop_frames: Annotated[int | None, typer.Option(help="FILE: leading frames to leave out.")] = None,
     library: Annotated[
         Path | None,
-        typer.Option(help="STEP: the folder it is in. Default: your own, and the project's.", metavar="DIR"),
+        typer.Option(help="STEP: its folder. Default: yours and the built-in one.", metavar="DIR"),
     ] = None,
-    variation: Annotated[int | None, typer.Option(help="STEP: which of its variations, from 1.")] = None,
-    measures: Annotated[int | None, typer.Option(help="STEP: only its first measures. Default: all.")] = None,
+    variation: Annotated[int | None, typer.Option(help="STEP: number of the variation, from 1.")] = None,
+    measures: Annotated[int | None, typer.Option(help="STEP: number of measures from the start. Default: all.")] = None,
 ) -> None:
-    """Write a recording or a step as a BVH, GLB or VRMA file: the engine's skeleton, the same poses.
+    """Write a recording or a step as a BVH, GLB or VRMA file with the engine's skeleton.
 
-    A recording is brought onto the engine's skeleton first; a step is written at its own tempo, from its first beat
+    A recording is retargeted to the engine's skeleton first. A step is written at its own tempo, from its first beat
     to the end of its last measure. BVH: centimetres, Y up, ZXY. GLB: metres, Y up, opens in Blender and VRM tools.
     """
     from rich.console import Console
@@ -69,7 +69,7 @@ def export(
 
 
 def _parse_rate(text: str) -> float | None:
-    """Frames per second; None keeps the source's."""
+    """Parse frames per second; None: keep the source's."""
     from live.base.errors import PersonError
 
     if text.strip().lower() == "source":
@@ -93,13 +93,13 @@ def _check_target(to: Path, source: str, *, force: bool) -> None:
     if not to.exists():
         return
     if _is_file(source) and Path(source).exists() and to.samefile(source):
-        raise PersonError(f"--to {to}: that is the file to be read", "give the new file another name")
+        raise PersonError(f"--to {to}: that is the input file", "give the new file another name")
     if not force:
-        raise PersonError(f"--to {to}: the file is there already", "give another name, or --force to write over it")
+        raise PersonError(f"--to {to}: the file exists already", "give another name, or --force to overwrite it")
 
 
 def _is_file(source: str) -> bool:
-    """Whether the source is the name of a file, there or not, and not that of a step."""
+    """Whether the source names a file, existing or not, instead of a step."""
     from live.library.motion_file import MOTION_ENDINGS
     from live.show.patch.patch_search_path import is_file
 
@@ -124,7 +124,7 @@ def _retargeted(
     skeleton: Path | None,
     drop_frames: int | None,
 ) -> "Clip":
-    """The file's motion on the engine's skeleton; what is strange in it is said on stderr."""
+    """Return the file's motion on the engine's skeleton; print warnings on stderr."""
     from rich.console import Console
 
     from live.base.errors import PersonError
@@ -143,7 +143,7 @@ def _retargeted(
             drop_frames=drop_frames or 0,
             sample_rate=hertz or fps or motion.header_fps,
         )
-    except ValueError as error:  # MotionFileError is one; the others are arguments out of range
+    except ValueError as error:  # MotionFileError, or an argument out of range
         raise PersonError(" ".join(str(error).split())) from None
     console = Console(stderr=True, highlight=False)
     for warning in motion.warnings:
@@ -152,7 +152,7 @@ def _retargeted(
 
 
 def _step(name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None) -> "Clip":
-    """The measures of one variation of a step, without the lead-in."""
+    """Return the measures of one variation of a step, without the lead-in."""
     from live.base.errors import PersonError
     from live.motion.clip import resample
 
@@ -192,7 +192,7 @@ def _described(clips: "list[StepClip]") -> str:
 
 
 def _write(clip: "Clip", to: Path) -> int:
-    """Write the file whole or not at all; its size in bytes."""
+    """Write the file atomically; return its size in bytes."""
     from live.app.whole_file import write_whole
 
     if to.suffix.lower() == ".bvh":

@@ -1,4 +1,4 @@
-"""`live mocap send`: a recording as if a real dancer were captured now: rehearsals without a suit."""
+"""Command `live mocap send`: plays a recording as live motion capture, for rehearsals without a suit."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,15 +12,15 @@ app = typer.Typer(help="Live motion capture (docs/mocap.md).", no_args_is_help=T
 def send(
     file: Annotated[Path, typer.Argument(help="A .bvh, .amc, .glb, .gltf, .vrm, .vrma or AMASS .npz file.")],
     to: Annotated[
-        str, typer.Option("--to", help="Where a show listens (`--vmc`).", metavar="[HOST:]PORT")
+        str, typer.Option("--to", help="The show's VMC address (`--vmc`).", metavar="[HOST:]PORT")
     ] = "127.0.0.1:39539",
-    fps: Annotated[float | None, typer.Option(help="Its true frame rate, where the file lies.")] = None,
-    rate: Annotated[float, typer.Option(help="Poses a second that are sent.")] = 60.0,
-    begin: Annotated[float, typer.Option("--from", help="Begin so many seconds after its beginning.")] = 0.0,
-    seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
-    loop: Annotated[bool, typer.Option("--loop", help="Again and again, until Ctrl-C.")] = False,
+    fps: Annotated[float | None, typer.Option(help="The true frame rate, if the header is wrong.")] = None,
+    rate: Annotated[float, typer.Option(help="Poses per second to send.")] = 60.0,
+    begin: Annotated[float, typer.Option("--from", help="Seconds to skip at the start.")] = 0.0,
+    seconds: Annotated[float | None, typer.Option(help="Duration in seconds.")] = None,
+    loop: Annotated[bool, typer.Option("--loop", help="Repeat until Ctrl-C.")] = False,
 ) -> None:
-    """Send a recording by the VMC protocol, in real time: to a show, or to any program that shows avatars."""
+    """Send a recording in real time with the VMC protocol, to a show or any other VMC receiver."""
     from live.app.option_values import parse_endpoint, parse_number
     from live.base.errors import PersonError
     from live.control.capture.vmc_output import play_clip
@@ -40,5 +40,5 @@ def send(
     try:
         sent = play_clip(clip, endpoint, first=round(begin * rate), seconds=seconds, loop=loop)
     except OSError as error:
-        raise PersonError(f"--to {to}: {error.strerror or error}", "name hosts by their numbers") from None
+        raise PersonError(f"--to {to}: {error.strerror or error}", "give the host's IP address") from None
     typer.echo(f"{sent} poses sent to {endpoint[0]}:{endpoint[1]}")

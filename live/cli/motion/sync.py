@@ -1,4 +1,4 @@
-"""`live sync`: where the beats lie in a recording, from claps, a click, a song, or the feet."""
+"""Command `live sync`: finds the beats of a recorded dance from claps, a click, a song, or the feet."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,15 +11,17 @@ if TYPE_CHECKING:
 
 def sync(
     file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
-    click: Annotated[float | None, typer.Option(help="Tempo of the click that was clapped to.", metavar="BPM")] = None,
-    count: Annotated[int | None, typer.Option(help="How many beats of it were clapped.")] = None,
-    song: Annotated[Path | None, typer.Option(help="The music that was clapped to.", metavar="AUDIO")] = None,
-    anchor: Annotated[
-        float | None, typer.Option(help="When measure 1 begins, if you know it; it wins.", metavar="SECONDS")
+    click: Annotated[
+        float | None, typer.Option(help="Tempo of the click that the claps follow.", metavar="BPM")
     ] = None,
-    bpm: Annotated[float | None, typer.Option(help="The tempo, if you know it; it wins.")] = None,
-    beats_per_measure: Annotated[int, typer.Option(help="Beats of a measure.")] = 4,
-    fps: Annotated[float | None, typer.Option(help="True frame rate, where the file lies.")] = None,
+    count: Annotated[int | None, typer.Option(help="Number of clapped beats of the click.")] = None,
+    song: Annotated[Path | None, typer.Option(help="The music that the claps follow.", metavar="AUDIO")] = None,
+    anchor: Annotated[
+        float | None, typer.Option(help="Known start of measure 1; overrides the estimate.", metavar="SECONDS")
+    ] = None,
+    bpm: Annotated[float | None, typer.Option(help="Known tempo; overrides the estimate.")] = None,
+    beats_per_measure: Annotated[int, typer.Option(help="Beats per measure.")] = 4,
+    fps: Annotated[float | None, typer.Option(help="True frame rate, if the header is wrong.")] = None,
     up: Annotated[Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.")] = None,
     skeleton: Annotated[Path | None, typer.Option(help="The ASF file of an AMC file.", metavar="ASF")] = None,
     drop_frames: Annotated[
@@ -29,8 +31,8 @@ def sync(
 ) -> None:
     """Find the first beat and the tempo of a recorded dance, and print the lines for its TOML file.
 
-    Times count from the first frame that is kept. Clap on the beats before you dance: with --click or --song the claps
-    are matched to its beats. Where nobody claps the feet are asked, and the answer is a guess for you to confirm.
+    Times count from the first kept frame. Clap on the beats before you dance; with --click or --song, claps are
+    matched to its beats. Without claps, the beats are estimated from the feet; confirm that estimate.
     """
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
@@ -44,7 +46,7 @@ def sync(
     parse_number(fps, "--fps", 1, 10_000)
     parse_number(drop_frames, "--drop-frames", 0, 10_000_000)
     if click is not None and song is not None:
-        raise PersonError("--click and --song: one of them", "--click for a click, --song for a music file")
+        raise PersonError("--click and --song exclude each other", "--click for a click, --song for a music file")
     if count is not None and click is None:
         raise PersonError("--count counts the beats of a click", f"--click BPM --count {count}")
     found = find_sync(
@@ -95,7 +97,7 @@ def _as_json(found: "Sync") -> dict[str, Any]:
 def _toml(
     found: "Sync", file: Path, fps: float | None, beats_per_measure: int, *, by_hand: tuple[bool, bool]
 ) -> list[str]:
-    """Lines for the TOML file beside the recording, in its vocabulary; `by_hand`: whether tempo, first beat are."""
+    """Return lines for the recording's TOML file; `by_hand`: whether tempo and first beat were given by the user."""
     notes = ["" if one else f" # {found.comment}" for one in by_hand]
     lines = [f"file = {_quoted(file.name)}"]
     if fps is not None:
@@ -125,6 +127,6 @@ def _print(found: "Sync", toml: list[str]) -> None:
         console.print(f"  clap {one.clap.time_s:8.3f} s  {place}", style="dim" if one.beat is None else None)
     if found.drop_frames:
         dropped = found.drop_frames
-        words = f"times count from frame {dropped}, after a T-pose; with --anchor, give --drop-frames {dropped}, too"
+        words = f"times count from frame {dropped}, after a T-pose; with --anchor, also give --drop-frames {dropped}"
         console.print(words, style="dim")
     console.print("\n".join(["", *toml]))

@@ -1,1 +1,1 @@
-"""Commands about the step library: list, add, check, dance, partner, texture. It may import every layer."""
+"""Commands for the step library: list, add, check, dance, partner, texture. They may import every layer."""

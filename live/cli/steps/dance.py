@@ -1,33 +1,33 @@
-"""`live dance`: a sequence of steps, danced exactly on the measures, as a motion file with its report."""
+"""Command `live dance`: writes a sequence of steps, aligned to measures, as a motion file with a report."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-PANEL_STAGE = "Where it is danced"
-PANEL_JOINS = "What may follow what"
+PANEL_STAGE = "Place on the stage"
+PANEL_JOINS = "Transitions"
 
 
 def dance(
     library: Annotated[
-        str, typer.Argument(help='A folder of steps, or "sketches" for the project\'s own.', metavar="LIBRARY")
+        str, typer.Argument(help='A folder of steps, or "sketches" for the built-in ones.', metavar="LIBRARY")
     ],
     sequence: Annotated[
         str,
         typer.Option(
-            help='Steps with commas between: "couru left, échappé x2, *"; * is a measure of anything. '
+            help='Steps, separated by commas: "couru left, échappé x2, *"; * is a measure of any step. '
             "@FILE reads them from a file.",
             metavar="STEPS",
         ),
     ],
     bpm: Annotated[float | None, typer.Option(help="Tempo. Default: that of the first step.")] = None,
     out: Annotated[Path | None, typer.Option(help="Write the motion.", metavar="OUT.bvh|OUT.glb|OUT.vrma")] = None,
-    report: Annotated[Path | None, typer.Option(help="Write the figures of the motion.", metavar="FILE.json")] = None,
+    report: Annotated[Path | None, typer.Option(help="Write motion figures.", metavar="FILE.json")] = None,
     path: Annotated[
         str | None,
         typer.Option(
-            help="Points of the way over the stage in metres, the first is where she begins.",
+            help="Points of the path over the stage in metres, from the dancer's start.",
             metavar="X,Z,X,Z,...",
             rich_help_panel=PANEL_STAGE,
         ),
@@ -35,8 +35,8 @@ def dance(
     heading: Annotated[
         str | None,
         typer.Option(
-            help="Where she faces: degrees (0: the audience, 90: to its right), two numbers for begin and end of a "
-            "path, or 'path' to face along it. Default: 0.",
+            help="Facing in degrees (0: the audience, 90: to its right), two numbers for start and end of a path, "
+            "or 'path' to face along it. Default: 0.",
             metavar="DEGREES|path",
             rich_help_panel=PANEL_STAGE,
         ),
@@ -44,14 +44,14 @@ def dance(
     correction: Annotated[
         float,
         typer.Option(
-            help="On a path: hips may be moved by so much each measure beyond what the steps do.",
+            help="On a path: maximum correction of the hips per measure.",
             metavar="METRES",
             rich_help_panel=PANEL_STAGE,
         ),
     ] = 0.1,
     start: Annotated[
         str | None,
-        typer.Option(help="The step she comes from.", metavar="STEP", rich_help_panel=PANEL_JOINS),
+        typer.Option(help="The preceding step.", metavar="STEP", rich_help_panel=PANEL_JOINS),
     ] = None,
     window: Annotated[
         float | None,
@@ -60,7 +60,7 @@ def dance(
     threshold: Annotated[
         float | None,
         typer.Option(
-            help="How far apart poses may be. Default: 0.16 for sketches, 0.35 for recordings.",
+            help="Maximum distance of joined poses. Default: 0.16 for sketches, 0.35 for recordings.",
             metavar="METRES",
             rich_help_panel=PANEL_JOINS,
         ),
@@ -69,7 +69,7 @@ def dance(
         bool,
         typer.Option(
             "--foot-rule",
-            help="Steps that travel left must lead with the right foot, and the other way round.",
+            help="Steps that travel left must lead with the right foot, and vice versa.",
             rich_help_panel=PANEL_JOINS,
         ),
     ] = False,
@@ -77,14 +77,14 @@ def dance(
         bool,
         typer.Option(
             "--depth-first",
-            help="Search as the thesis does: the first dance without a wrong measure, not the smoothest.",
+            help="Search as in the thesis: take the first dance that matches every measure, not the smoothest.",
             rich_help_panel=PANEL_JOINS,
         ),
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the dance and what is missing as JSON.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the dance and missing transitions as JSON.")] = False,
 ) -> None:
-    """Dance a sequence of steps. Where it cannot be danced as it is, the nearest dance, and what is missing for it."""
+    """Dance a sequence of steps. If it cannot be danced exactly, use the nearest dance and list missing transitions."""
     from live.app.offline.dance_plan import Asked, make_plan, put_together
     from live.app.offline.dance_report import check_targets, print_dance, write_motion, write_report
     from live.app.option_values import parse_number

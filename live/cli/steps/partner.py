@@ -1,4 +1,4 @@
-"""`live partner`: a follower for a leader's recorded motion, by example (Hsu, Gentry, Popovic)."""
+"""Command `live partner`: synthesises a follower for a leader's motion from examples (Hsu, Gentry, Popovic)."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,46 +13,50 @@ def partner(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Write the follower here.", metavar="FOLLOWER.bvh")] = None,
     path: Annotated[
-        Path | None, typer.Option(help="In place of a leader: a drawn path for a walker.", metavar="PATH.csv")
+        Path | None, typer.Option(help="A drawn path for a walker, instead of a leader.", metavar="PATH.csv")
     ] = None,
     smooth: Annotated[
-        float | None, typer.Option(help="Smooth the drawn path over so long. Default: 0.15.", metavar="SECONDS")
+        float | None, typer.Option(help="Smoothing time of the drawn path. Default: 0.15.", metavar="SECONDS")
     ] = None,
-    online: Annotated[bool, typer.Option("--online", help="Answer as it would be live, frame by frame.")] = False,
+    online: Annotated[bool, typer.Option("--online", help="Decode causally, frame by frame, as in a show.")] = False,
     stretch: Annotated[
-        float | None, typer.Option(help="How much longer or shorter a unit may be. Default: 0.15, walks 0.2.")
+        float | None, typer.Option(help="Maximum change of a unit's length, as a share. Default: 0.15, walks 0.2.")
     ] = None,
-    k: Annotated[float | None, typer.Option("--k", help="What continuity counts. Default: 1, walks 4.")] = None,
+    k: Annotated[float | None, typer.Option("--k", help="Weight of continuity. Default: 1, walks 4.")] = None,
     beam: Annotated[
-        float | None, typer.Option(help="Give up what is worse than the best by this. Default: nothing.", metavar="W")
+        float | None,
+        typer.Option(help="Prune hypotheses worse than the best by this cost. Default: no pruning.", metavar="W"),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Frames a second of the search. Default: 7.5, walks 10.", metavar="HZ")
+        float | None, typer.Option(help="Frames per second of the search. Default: 7.5, walks 10.", metavar="HZ")
     ] = None,
     cluster: Annotated[
-        float | None, typer.Option(help="Keep one of all units that are nearer to each other than this, in m (rms).")
+        float | None, typer.Option(help="Keep one unit of each cluster within this distance, in m (rms).")
     ] = None,
     fps: Annotated[
-        float | None, typer.Option(help="The leader's true frame rate. Default: as the file or its like in PAIRS.toml.")
+        float | None,
+        typer.Option(help="The leader's true frame rate. Default: as in the file or similar files in PAIRS.toml."),
     ] = None,
     drop_frames: Annotated[
         int | None, typer.Option(help="Leading frames to leave out. Default: an added T-pose and its run-in.")
     ] = None,
-    bpm: Annotated[float | None, typer.Option(help="The leader's tempo: units then begin on beats.")] = None,
+    bpm: Annotated[float | None, typer.Option(help="The leader's tempo; units then begin on beats.")] = None,
     first_beat: Annotated[
-        float | None, typer.Option(help="When a beat falls, from the first frame kept.", metavar="SECONDS")
+        float | None, typer.Option(help="Time of a beat, from the first kept frame.", metavar="SECONDS")
     ] = None,
-    smoothing: Annotated[str, typer.Option(help="How units are joined: eased, linear (as published), none.")] = "eased",
-    hold_feet: Annotated[bool, typer.Option(help="Hold feet where the examples say they stand.")] = True,
-    truth: Annotated[Path | None, typer.Option(help="What the real follower did, to compare.", metavar="FILE")] = None,
+    smoothing: Annotated[str, typer.Option(help="Blend between units: eased, linear (as published), none.")] = "eased",
+    hold_feet: Annotated[bool, typer.Option(help="Lock feet that are planted in the examples.")] = True,
+    truth: Annotated[
+        Path | None, typer.Option(help="The real follower's motion, for comparison.", metavar="FILE")
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="Write figures here.", metavar="REPORT.json")] = None,
     transcript: Annotated[Path | None, typer.Option(help="Write the units as a score.", metavar="SCORE.txt")] = None,
-    seed: Annotated[int, typer.Option(help="For which unit of a cluster is kept.")] = 0,
+    seed: Annotated[int, typer.Option(help="Random seed of the clustering.")] = 0,
 ) -> None:
-    """Answer a leader's motion with a follower's, read off recorded pairs.
+    """Synthesise a follower's motion for a leader's, from recorded pairs.
 
-    The leader is read as a row of recorded units, two beats each, stretched, turned and moved; their followers are
-    joined to one motion that stands in the leader's own place on the floor, frame by frame beside the leader's file.
+    The leader's motion is matched by a sequence of recorded units of two beats, stretched, turned and moved. Their
+    followers are joined to one motion in the leader's coordinates, with the frames of the leader's file.
     """
     from live.app.option_values import parse_choice, parse_number, writable_file
     from live.base.errors import PersonError
@@ -70,7 +74,7 @@ def partner(
     parse_choice(smoothing, "--smoothing", "eased", "linear", "none")
     if (leader is None) == (path is None):
         raise PersonError(
-            "one leader expected: a motion file, or --path", "live partner LEADER.bvh --examples PAIRS.toml"
+            "one leader expected: either a motion file or --path", "live partner LEADER.bvh --examples PAIRS.toml"
         )
     if examples is None or out is None:
         missing = "--examples PAIRS.toml" if examples is None else "--out FOLLOWER.bvh"
@@ -83,7 +87,7 @@ def partner(
             one is not None and one.exists() and file.exists() and file.samefile(one)
             for one in (leader, examples, path, truth)
         ):
-            raise PersonError(f"{option} {file}: that is a file to be read", "give the new file another name")
+            raise PersonError(f"{option} {file}: that is an input file", "give the new file another name")
 
     from live.app.offline.partner_request import Wish
     from live.app.offline.partner_search import run

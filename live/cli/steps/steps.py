@@ -1,4 +1,4 @@
-"""`live steps`: the library of steps: add a recording, list, show, check, play."""
+"""Commands `live steps …`: add recordings to the step library, and list, show, check and play steps."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -6,20 +6,20 @@ from typing import Annotated, Literal
 import typer
 
 app = typer.Typer(
-    help="The library of steps: recordings and sketches, what is said of them, and what they look like.",
+    help="The step library: recordings and sketches, with their annotations and previews.",
     no_args_is_help=True,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-PANEL_FILE = "How the file is read"
-PANEL_MUSIC = "Where the music is"
-PANEL_STEP = "What is said of the step"
+PANEL_FILE = "Reading the file"
+PANEL_MUSIC = "Music"
+PANEL_STEP = "Annotations of the step"
 
 Library = Annotated[
     Path | None,
     typer.Option(
-        "--library", help="A folder of steps. Default: your own, and the project's.", metavar="DIR", file_okay=False
+        "--library", help="A folder of steps. Default: yours and the built-in one.", metavar="DIR", file_okay=False
     ),
 ]
 JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -28,32 +28,34 @@ JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 @app.command("add")
 def add(
     file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
-    name: Annotated[str, typer.Option(help="The step's name; steps of one name are variations.")],
+    name: Annotated[str, typer.Option(help="The step's name; steps with the same name are variations.")],
     bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
     anchor: Annotated[
         float | None,
-        typer.Option(help="When measure 1 begins. Default: as found.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
+        typer.Option(help="Start of measure 1. Default: detected.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
     ] = None,
     click: Annotated[
-        float | None, typer.Option(help="The claps are to a click of this tempo.", rich_help_panel=PANEL_MUSIC)
+        float | None, typer.Option(help="Tempo of the click that the claps follow.", rich_help_panel=PANEL_MUSIC)
     ] = None,
     count: Annotated[
-        int | None, typer.Option(help="So many beats of the click were clapped.", rich_help_panel=PANEL_MUSIC)
+        int | None, typer.Option(help="Number of clapped beats of the click.", rich_help_panel=PANEL_MUSIC)
     ] = None,
     song: Annotated[
-        Path | None, typer.Option(help="The claps are to this audio file.", rich_help_panel=PANEL_MUSIC)
+        Path | None, typer.Option(help="Audio file that the claps follow.", rich_help_panel=PANEL_MUSIC)
     ] = None,
     beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
     start: Annotated[
         int | None,
         typer.Option(help="Measure in which the step begins. Default: 1.", rich_help_panel=PANEL_MUSIC),
     ] = None,
-    measures: Annotated[int | None, typer.Option(help="Its length. Default: 1.", rich_help_panel=PANEL_MUSIC)] = None,
+    measures: Annotated[
+        int | None, typer.Option(help="Length in measures. Default: 1.", rich_help_panel=PANEL_MUSIC)
+    ] = None,
     fps: Annotated[
-        float | None, typer.Option(help="True frame rate where the file lies.", rich_help_panel=PANEL_FILE)
+        float | None, typer.Option(help="True frame rate, if the header is wrong.", rich_help_panel=PANEL_FILE)
     ] = None,
     unit: Annotated[
-        float | None, typer.Option(help="Metres per unit, to be checked.", rich_help_panel=PANEL_FILE)
+        float | None, typer.Option(help="Metres per unit, to check the size.", rich_help_panel=PANEL_FILE)
     ] = None,
     up: Annotated[
         Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
@@ -65,7 +67,7 @@ def add(
         int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)
     ] = None,
     repair: Annotated[
-        bool, typer.Option("--repair", help="Mend tracking faults where that is safe.", rich_help_panel=PANEL_FILE)
+        bool, typer.Option("--repair", help="Repair tracking errors where that is safe.", rich_help_panel=PANEL_FILE)
     ] = False,
     leading_foot: Annotated[
         Literal["left", "right"] | None,
@@ -81,30 +83,28 @@ def add(
         bool,
         typer.Option(
             "--weight-transfer",
-            help="It ends on the other foot: repeats alternate the sides.",
+            help="It ends on the other foot, so repeats alternate sides.",
             rich_help_panel=PANEL_STEP,
         ),
     ] = False,
     direction: Annotated[
-        str | None, typer.Option(help='Like "long left". Default: as measured.', rich_help_panel=PANEL_STEP)
+        str | None, typer.Option(help='Such as "long left". Default: measured.', rich_help_panel=PANEL_STEP)
     ] = None,
     distance: Annotated[
-        float | None, typer.Option(help="Metres. Default: as measured.", rich_help_panel=PANEL_STEP)
+        float | None, typer.Option(help="Distance in metres. Default: measured.", rich_help_panel=PANEL_STEP)
     ] = None,
-    author: Annotated[str | None, typer.Option(help="Who danced it.", rich_help_panel=PANEL_STEP)] = None,
-    style: Annotated[str | None, typer.Option(help="How it is danced.", rich_help_panel=PANEL_STEP)] = None,
-    tag: Annotated[
-        list[str] | None, typer.Option(help="A tag; may be given often.", rich_help_panel=PANEL_STEP)
-    ] = None,
+    author: Annotated[str | None, typer.Option(help="Name of the dancer.", rich_help_panel=PANEL_STEP)] = None,
+    style: Annotated[str | None, typer.Option(help="Dance style.", rich_help_panel=PANEL_STEP)] = None,
+    tag: Annotated[list[str] | None, typer.Option(help="A tag; may be repeated.", rich_help_panel=PANEL_STEP)] = None,
     mirror: Annotated[
-        bool, typer.Option("--mirror", help="Its mirror image is a variation, too.", rich_help_panel=PANEL_STEP)
+        bool, typer.Option("--mirror", help="Also add the mirror image as a variation.", rich_help_panel=PANEL_STEP)
     ] = False,
     library: Library = None,
 ) -> None:
-    """Cut a step out of a recording and put it into the library.
+    """Cut a step out of a recording and add it to the library.
 
-    The recording is copied there, and a table "step" joins the TOML file of its name. Nothing is written before the
-    step was cut, and nothing that is there is written over.
+    The recording is copied to the library, and a table "step" is added to the TOML file of its name. Nothing is
+    written unless the step can be cut, and no existing file is overwritten.
     """
     from live.app.offline.step_adding import Listening, add_to_library
 
@@ -122,7 +122,7 @@ def add(
 
 @app.command("list")
 def list_(library: Library = None, json_out: JsonOut = False) -> None:
-    """List the steps: name, variations, length, tempo, ways, feet, poses, tags."""
+    """List the steps: name, variations, length, tempo, directions, feet, poses, tags."""
     from live.app.offline.step_report import print_list
 
     print_list(library, json_out)
@@ -135,10 +135,10 @@ def show(
     json_out: JsonOut = False,
     reach: Annotated[
         Path | None,
-        typer.Option(help="Draw where one measure of it can lead, seen from above.", metavar="OUT.svg|OUT.png"),
+        typer.Option(help="Draw the region reachable in one measure, from above.", metavar="OUT.svg|OUT.png"),
     ] = None,
 ) -> None:
-    """Show a step: all that is said of it, its variations, contacts on the beats, and what can follow it."""
+    """Show a step: its annotations, variations, foot contacts on the beats, and possible next steps."""
     from live.app.offline.step_report import print_step
 
     if reach is not None:
@@ -152,24 +152,20 @@ def show(
 def graph(
     library: Annotated[
         Path | None,
-        typer.Argument(help="A folder of steps. Default: your own, and the project's.", metavar="[LIBRARY]"),
+        typer.Argument(help="A folder of steps. Default: yours and the built-in one.", metavar="[LIBRARY]"),
     ] = None,
     json_out: JsonOut = False,
     dot: Annotated[bool, typer.Option("--dot", help="Print the structural variations as Graphviz text.")] = False,
-    svg: Annotated[
-        Path | None, typer.Option(help="Write the steps and what leads where as a picture.", metavar="OUT.svg")
-    ] = None,
-    threshold: Annotated[
-        float | None, typer.Option(help="Largest distance of poses that are joined, in metres.")
-    ] = None,
+    svg: Annotated[Path | None, typer.Option(help="Draw the steps and their transitions.", metavar="OUT.svg")] = None,
+    threshold: Annotated[float | None, typer.Option(help="Maximum distance of joined poses in metres.")] = None,
     window: Annotated[
         float | None, typer.Option(help="Length of a transition as a share of the measure. Default: 0.75 beats.")
     ] = None,
     bridges: Annotated[
-        bool, typer.Option("--bridges", help="Search the recordings for ways between steps that nothing joins.")
+        bool, typer.Option("--bridges", help="Search the recordings for motion that would join unconnected steps.")
     ] = False,
 ) -> None:
-    """Show the motion graph: which step leads to which, how near, dead ends, and what is missing."""
+    """Show the motion graph: transitions between steps, their distances, dead ends, and missing transitions."""
     from live.app.offline.graph_report import print_graph
     from live.app.option_values import parse_number, writable_file
     from live.base.errors import PersonError
@@ -179,14 +175,14 @@ def graph(
     if svg is not None and svg.suffix.lower() != ".svg":
         raise PersonError(f"--svg {svg}: a name that ends in .svg expected", f"--svg {svg.with_suffix('.svg')}")
     if json_out and dot:
-        raise PersonError("--json and --dot are two answers, and one is printed", "leave one of them out")
+        raise PersonError("--json and --dot exclude each other", "leave one of them out")
     writable_file(svg, "--svg")
     print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window, bridges=bridges)
 
 
 @app.command("check")
 def check(library: Library = None, json_out: JsonOut = False) -> None:
-    """Find what is wrong or doubtful in a library. Exit 1 if something in it cannot be danced."""
+    """Report errors and warnings of a library. Exit 1 if a step in it cannot be danced."""
     from live.app.offline.step_report import print_findings
 
     if print_findings(library, json_out):
@@ -197,26 +193,28 @@ def check(library: Library = None, json_out: JsonOut = False) -> None:
 def enrich(
     with_: Annotated[
         list[Path] | None,
-        typer.Option("--with", help="Motion capture: files, or folders of them; may be given often.", metavar="PLACE"),
+        typer.Option("--with", help="Motion capture files or folders; may be repeated.", metavar="PLACE"),
     ] = None,
     library: Library = None,
-    step: Annotated[list[str] | None, typer.Option(help="Only this step; may be given often.")] = None,
+    step: Annotated[list[str] | None, typer.Option(help="Only this step; may be repeated.")] = None,
     paths: Annotated[int, typer.Option(min=1, max=16, help="Textured versions of each variation.")] = 2,
     bands: Annotated[str, typer.Option(help="Bands of texture, 1 the highest.")] = "2-3",
     match: Annotated[int, typer.Option(help="Band that is matched: 4 for walks, 6 for modern dance.")] = 4,
     drive: Annotated[str, typer.Option(help="Joints whose angles are matched.", metavar="JOINTS")] = "hips,knees",
     upper: Annotated[
         Literal["auto", "make", "texture"],
-        typer.Option(help="Upper bodies: made anew, textured; auto: made unless the sketch is about them."),
+        typer.Option(help="Upper bodies: synthesised or textured; auto: synthesised unless the sketch animates them."),
     ] = "auto",
     weigh: Annotated[float, typer.Option(help="Cost of a join; 0: the fewest joins, as published.")] = 2.0,
-    fps: Annotated[float | None, typer.Option(help="True rate of the motion capture where headers lie.")] = None,
-    remove: Annotated[bool, typer.Option("--remove", help="Take the textured versions away.")] = False,
+    fps: Annotated[
+        float | None, typer.Option(help="True frame rate of the motion capture, if headers are wrong.")
+    ] = None,
+    remove: Annotated[bool, typer.Option("--remove", help="Remove the textured versions.")] = False,
 ) -> None:
-    """Give every sketched step textured versions: upper bodies and detail of real dancers.
+    """Write textured versions of every sketched step, with upper bodies and detail of real dancers.
 
-    They are kept beside the sketch (walk.textured beside walk.toml), belong to the library from then on as other takes
-    of the same step, and begin and end where the sketch does. What is needed of the motion capture is in them.
+    They are stored next to the sketch (walk.textured next to walk.toml), are used as other takes of the same step, and
+    begin and end at the same place as the sketch. They contain the motion capture data they need.
     """
     from live.app.offline.texture_run import enrich_library
     from live.app.option_values import parse_number
@@ -236,10 +234,8 @@ def play(
     library: Library = None,
     variation: Annotated[int | None, typer.Option(min=1, help="Only this variation (see `live steps show`).")] = None,
     tempo: Annotated[float | None, typer.Option(help="Beats per minute. Default: the step's own.")] = None,
-    seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
-    travel: Annotated[
-        bool, typer.Option("--travel", help="Let them get away; without it they dance on the spot.")
-    ] = False,
+    seconds: Annotated[float | None, typer.Option(help="Duration in seconds.")] = None,
+    travel: Annotated[bool, typer.Option("--travel", help="Let dancers travel. Default: they dance in place.")] = False,
     headless: Annotated[
         bool, typer.Option("--headless", help="No window: run in real time without a picture.")
     ] = False,
@@ -249,7 +245,7 @@ def play(
     size: Annotated[str, typer.Option(help="Size of the window or film.", metavar="WxH")] = "1280x720",
     fps: Annotated[float | None, typer.Option(help="Frames per second.")] = None,
 ) -> None:
-    """Play a step again and again, a dancer for each variation, on the stage."""
+    """Loop a step on the stage, with a dancer for each variation."""
     from live.app.offline.step_preview import Preview, play_step
     from live.app.option_values import film_file, parse_number, parse_size, writable_file
 

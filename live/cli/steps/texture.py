@@ -1,4 +1,4 @@
-"""`live texture`: a sketched motion gets the detail, and the joints it lacks, of motion capture."""
+"""Command `live texture`: adds detail and missing joints from motion capture to a sketched motion."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,54 +13,63 @@ def texture(
     ],
     with_: Annotated[
         list[Path],
-        typer.Option("--with", help="Motion capture: files, or folders of them; may be given often.", metavar="PLACE"),
+        typer.Option("--with", help="Motion capture files or folders; may be repeated.", metavar="PLACE"),
     ],
-    out: Annotated[Path, typer.Option(help="The file to write; several paths get numbers.", metavar="OUT.bvh|OUT.glb")],
+    out: Annotated[
+        Path, typer.Option(help="The file to write; numbered if there are several paths.", metavar="OUT.bvh|OUT.glb")
+    ],
     drive: Annotated[
         str,
         typer.Option(
-            help='Joints whose angles are matched; others from a time on: "hips,knees @2.5 knees @4 hips".',
+            help='Joints whose angles are matched, with changes at times: "hips,knees @2.5 knees @4 hips".',
             metavar="JOINTS",
         ),
     ] = "hips,knees",
     synthesize: Annotated[
-        str, typer.Option(help="Joints made of the motion capture alone.", metavar="JOINTS")
+        str, typer.Option(help="Joints synthesised from motion capture only.", metavar="JOINTS")
     ] = "upper",
     texture: Annotated[
         str, typer.Option(help="Joints that keep their motion and get detail.", metavar="JOINTS")
     ] = "lower",
     bands: Annotated[
-        str, typer.Option(help="Bands of texture, 1 the highest; what is made anew has all from the first on.")
+        str, typer.Option(help="Bands of texture, 1 the highest; synthesised joints use all from the first on.")
     ] = "2-3",
     match: Annotated[int, typer.Option(help="Band that is matched: 4 for walks, 6 for modern dance.")] = 4,
-    cut: Annotated[str, typer.Option(help="Angle that cuts, like leftUpperLeg.x.", metavar="auto|JOINT.AXIS")] = "auto",
+    cut: Annotated[
+        str,
+        typer.Option(help="Angle at whose turns the sketch is cut, such as leftUpperLeg.x.", metavar="auto|JOINT.AXIS"),
+    ] = "auto",
     keep: Annotated[float, typer.Option("--keep", "-K", help="Candidates: a share below 1, or a number.")] = 0.1,
-    paths: Annotated[int, typer.Option(help="How many paths, each a file.")] = 1,
+    paths: Annotated[int, typer.Option(help="Number of paths, each written to a file.")] = 1,
     apart: Annotated[
-        bool, typer.Option("--apart", help="Paths that share nothing: dancers who differ, not the best few.")
+        bool,
+        typer.Option("--apart", help="Paths without common pieces, for different dancers, instead of the best paths."),
     ] = False,
     weigh: Annotated[
-        float, typer.Option(help="Cost of a join against matching less well; 0: the fewest joins, as published.")
+        float, typer.Option(help="Cost of a join relative to the matching cost; 0: the fewest joins, as published.")
     ] = 0.0,
-    scale: Annotated[bool, typer.Option("--scale", help="Scale what is found as the driving angles ask.")] = False,
-    join: Annotated[int, typer.Option(help="Samples (of 24 a second) beside a join that are smoothed.")] = 10,
+    scale: Annotated[bool, typer.Option("--scale", help="Scale the pieces to match the driving angles.")] = False,
+    join: Annotated[int, typer.Option(help="Samples (24 per second) smoothed on each side of a join.")] = 10,
     derivative: Annotated[float, typer.Option(help="Weight of derivatives in the matching.")] = 1.0,
-    fps: Annotated[float | None, typer.Option(help="True rate of the motion capture where headers lie.")] = None,
-    drop_frames: Annotated[int | None, typer.Option(help="Its leading frames to leave out. Default: T-poses.")] = None,
-    sketch_fps: Annotated[float | None, typer.Option(help="SKETCH, a file: its true rate.")] = None,
-    variation: Annotated[int, typer.Option(help="SKETCH, a step: which of its variations, from 1.")] = 1,
-    rate: Annotated[float, typer.Option(help="Frames per second of what is written.")] = 60.0,
-    report: Annotated[
-        Path | None, typer.Option(help="Write what was taken from where, and figures.", metavar="FILE.json")
+    fps: Annotated[
+        float | None, typer.Option(help="True frame rate of the motion capture, if headers are wrong.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
+    drop_frames: Annotated[
+        int | None, typer.Option(help="Leading motion capture frames to leave out. Default: T-poses.")
+    ] = None,
+    sketch_fps: Annotated[float | None, typer.Option(help="SKETCH, a file: its true frame rate.")] = None,
+    variation: Annotated[int, typer.Option(help="SKETCH, a step: number of the variation, from 1.")] = 1,
+    rate: Annotated[float, typer.Option(help="Frames per second of the output.")] = 60.0,
+    report: Annotated[
+        Path | None, typer.Option(help="Write the sources of the pieces, and figures.", metavar="FILE.json")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
 ) -> None:
     """Texture a sketched motion, and complete it, from motion capture (after Pullen and Bregler 2002).
 
-    The sketch is cut where one of its driving angles turns; for each piece the recordings are searched for the pieces
-    that move most alike, and a path through these gives the joints to be made, and detail for the others. Feet stand
-    where the sketch has them. JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or
-    names of joints.
+    The sketch is cut where one of its driving angles turns. For each piece, the most similar pieces of the recordings
+    are found. A path through these gives the synthesised joints, and detail for the others. Feet stay where they are
+    in the sketch. JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or joint names.
     """
     from live.app.offline.texture_run import Asked, make
     from live.app.option_values import parse_number

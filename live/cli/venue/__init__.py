@@ -1,1 +1,1 @@
-"""Commands about the venue and its machine: devices, doctor, calibration. It may import every layer."""
+"""Commands for the venue and its machine: devices, doctor, calibration. They may import every layer."""

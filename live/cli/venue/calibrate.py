@@ -1,4 +1,4 @@
-"""`live calibrate`: how long sound and pictures take in a hall, measured and written into the venue's file."""
+"""Command `live calibrate`: measures audio and display latency in a hall and writes them to the venue's file."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,24 +12,24 @@ if TYPE_CHECKING:
 
 def calibrate(
     venue: Annotated[
-        str | None, typer.Option(help="The venue to write into; without it nothing is written.", metavar="NAME")
+        str | None, typer.Option(help="The venue to write to. Default: nothing is written.", metavar="NAME")
     ] = None,
     claps: Annotated[
-        bool, typer.Option("--claps", help="Measure the picture: the screen flashes, and people clap with it.")
+        bool, typer.Option("--claps", help="Measure display latency: the screen flashes, people clap with it.")
     ] = False,
-    audio: Annotated[str | None, typer.Option(help="The input, by name.", metavar="DEVICE")] = None,
+    audio: Annotated[str | None, typer.Option(help="Name of the audio input.", metavar="DEVICE")] = None,
     audio_channel: Annotated[
-        str | None, typer.Option(help="Which of its channels: 3, or 5,6, or all.", metavar="N[,N]|all")
+        str | None, typer.Option(help="Channels of the input: 3, or 5,6, or all.", metavar="N[,N]|all")
     ] = None,
-    output: Annotated[str | None, typer.Option(help="The output, by name.", metavar="DEVICE")] = None,
-    repeats: Annotated[int, typer.Option(help="Sweeps that are played, or flashes.")] = 16,
+    output: Annotated[str | None, typer.Option(help="Name of the audio output.", metavar="DEVICE")] = None,
+    repeats: Annotated[int, typer.Option(help="Number of sweeps or flashes.")] = 16,
     monitor: Annotated[str | None, typer.Option(help="The monitor that flashes.", metavar="N|NAME")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Measure delays: of the sound by sweeps that are played and heard again, of the picture by claps.
+    """Measure latency: of audio with sweeps that are played and recorded, of the display with claps.
 
-    First without --claps: the loudspeakers play, the microphone that the show will listen to hears it. Then with
-    --claps: the projector flashes, and people at the audience's place clap with the flashes.
+    First without --claps: the loudspeakers play sweeps, and the show's microphone records them. Then with --claps: the
+    projector flashes, and people at the audience's place clap with the flashes.
     """
     from live.app.option_values import parse_number
     from live.base.errors import PersonError
@@ -50,7 +50,7 @@ def calibrate(
     if venue is not None:
         found["file"] = _write(venue, {"audio": chosen, "latency": values} if chosen else {"latency": values})
         if not str(found["file"]).startswith(str(user_venues())):
-            found["note"] = "this venue is the project's own"
+            found["note"] = "this venue is a built-in one"
     if not found:
         raise PersonError("nothing was measured")
     _print(found, as_json)
@@ -101,7 +101,7 @@ def _round_trip(
         "output": speaker.name,
         "input": device.name,
         **values,
-        "divided": "as the devices say" if known else "in halves",
+        "divided": "as reported by the devices" if known else "in halves",
         "heard": trip.heard,
         "of": trip.of,
     }

@@ -1,8 +1,6 @@
-"""`live devices`: the audio inputs and outputs, MIDI ports and monitors that a show can name.
+"""Command `live devices`: lists the audio inputs and outputs, MIDI ports and monitors that a show can use.
 
-What is plugged into this machine: audio, MIDI, monitors, each as a list or the reason why there is none.
-
-Never raises: a missing library, a missing server or a missing screen becomes the section's `why`.
+The functions never raise: a missing library, server or screen becomes the section's `why`.
 """
 
 import json
@@ -64,7 +62,7 @@ Item = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """One kind of device; `why` says in one sentence why `items` is empty (or None where it is not)."""
+    """Devices of one kind; `why`: one sentence why `items` is empty, None if it is not."""
 
     title: str
     items: tuple[Item, ...]
@@ -72,12 +70,12 @@ class Section:
 
 
 def one_line(error: BaseException) -> str:
-    """The error's text on one line, or its type's name where it has none."""
+    """Return the error's text on one line, or the name of its type if it has no text."""
     return " ".join(str(error).split()) or type(error).__name__
 
 
 def audio() -> tuple[Section, Section]:
-    """Audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
+    """Return audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
     from live.control.audio import devices
 
     def section(direction: str, find: Callable[[], list[devices.SoundDevice]]) -> Section:
@@ -86,14 +84,14 @@ def audio() -> tuple[Section, Section]:
                 items = tuple(asdict(device) for device in find())
         except devices.SoundUnavailable as error:
             return Section(f"audio_{direction}s", (), one_line(error))
-        why = f"PortAudio finds no {direction}: no sound card, and no PulseAudio, PipeWire or JACK server within reach"
+        why = f"PortAudio finds no {direction}: no sound card, and no reachable PulseAudio, PipeWire or JACK server"
         return Section(f"audio_{direction}s", items, None if items else why)
 
     return section("input", devices.list_input_devices), section("output", devices.list_output_devices)
 
 
 def midi() -> tuple[Section, Section]:
-    """MIDI inputs and outputs by name, of all MIDI systems that run (ALSA, JACK, Core MIDI)."""
+    """Return MIDI inputs and outputs by name, of all running MIDI systems (ALSA, JACK, Core MIDI)."""
     from live.control.midi.midi_ports import MidiUnavailable, port_names
 
     def section(title: str, direction: Literal["input", "output"]) -> Section:
@@ -103,14 +101,14 @@ def midi() -> tuple[Section, Section]:
         except MidiUnavailable as error:
             return Section(title, (), one_line(error))
         names = [name for found in systems.values() for name in found]
-        nothing = "the system's MIDI is there, but nothing is plugged in"
+        nothing = "MIDI is available, but no device is connected"
         return Section(title, tuple({"name": name} for name in names), None if names else nothing)
 
     return section("midi_inputs", "input"), section("midi_outputs", "output")
 
 
 def monitors() -> Section:
-    """Monitors by number (from 1): name, width and height [pixels], refresh_rate [Hz], position [pixels], primary."""
+    """Return monitors by number (from 1): name, width and height [pixels], refresh_rate [Hz], position, primary."""
     from live.render.window.monitors import list_monitors, screen_problem, stop_glfw
 
     with quiet_stderr():
@@ -129,10 +127,10 @@ def monitors() -> Section:
         }
         for monitor in found
     )
-    nothing = problem or "the screen is reachable, but no monitor is switched on"
+    nothing = problem or "the display server is reachable, but no monitor is switched on"
     return Section("monitors", items, None if items else nothing)
 
 
 def inventory() -> list[Section]:
-    """All sections in the order in which people read them."""
+    """Return all sections in display order."""
     return [*audio(), *midi(), monitors()]

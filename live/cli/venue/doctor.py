@@ -1,10 +1,6 @@
-"""`live doctor`: what this machine has and lacks for a show, and how to get it.
+"""Command `live doctor`: checks whether this machine can run shows, and prints how to install what is missing.
 
-How to get a missing system library on this machine: the exact apt, dnf or brew line.
-
-Which OpenGL this machine has, asked in a process of its own: a broken driver may crash or hang there.
-
-The checks of `live doctor`: one function each, none of which raises.
+The checks never raise. OpenGL is probed in a child process, since a broken driver may crash or hang.
 """
 
 import importlib.metadata
@@ -35,7 +31,7 @@ _MARKS = {"ok": "[green]OK[/]", "limited": "[yellow]limited[/]", "missing": "[re
 def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Say what is missing on this machine and how to get it; exit 1 if no show can run."""
+    """Report what is missing on this machine and how to get it; exit 1 if no show can run."""
     from dataclasses import asdict
 
     checks = list(all_checks())
@@ -50,16 +46,16 @@ def doctor(
     console.print(table_of(checks))
     limited = sum(check.state == "limited" for check in checks)
     if not can_run:
-        console.print("[red]No show can run here yet:[/] do what the last column says.")
+        console.print("[red]No show can run here yet:[/] follow the last column.")
     elif limited:
-        console.print(f"[green]A show can run here[/], with {limited} limits.", highlight=False)
+        console.print(f"[green]A show can run here[/], with {limited} limitations.", highlight=False)
     else:
         console.print("[green]A show can run here.[/]")
     raise typer.Exit(0 if can_run else 1)
 
 
 def table_of(checks: "Sequence[Check]") -> "Table":
-    """The table of checks, as it is printed."""
+    """Return the table of checks for printing."""
     from rich.table import Table
     from rich.text import Text
 
@@ -88,7 +84,7 @@ _COMMANDS = {
 
 
 def install_line(library: str) -> str:
-    """What to type for `library` (opengl, portaudio, alsa or x11) with the first package manager found here."""
+    """Return the command that installs `library` (opengl, portaudio, alsa, x11) with this machine's package manager."""
     for manager, command in _COMMANDS.items():
         if shutil.which(manager):
             packages = _PACKAGES[library].get(manager)
@@ -101,7 +97,7 @@ def install_line(library: str) -> str:
 
 
 def _has_time64_names() -> bool:
-    # Debian 13 and Ubuntu 24.04 renamed some libraries for 64-bit time; libc's own marks show which naming is in use
+    # Debian 13 and Ubuntu 24.04 renamed some libraries for 64-bit time; installed packages show which names are in use
     return any(Path("/usr/share/doc").glob("lib*t64"))
 
 
@@ -116,22 +112,22 @@ _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshad
 
 @dataclass(frozen=True, slots=True)
 class OpenGL:
-    """What drawing without a window gives: the renderer's name (None = there is none, and `why`) and version."""
+    """OpenGL without a window: the renderer's name (None: there is none, see `why`) and version."""
 
     renderer: str | None
     version: str = ""
     code: int = 0
-    """Version as moderngl counts it: 450 is OpenGL 4.5."""
+    """Version as moderngl's version code: 450 is OpenGL 4.5."""
     why: str = ""
 
     @property
     def software(self) -> bool:
-        """Whether the CPU draws (Mesa's llvmpipe and its like)."""
+        """Whether the CPU renders (Mesa's llvmpipe and similar)."""
         return self.renderer is not None and any(word in self.renderer.lower() for word in _SOFTWARE)
 
 
 def probe_opengl(timeout: float = 30.0) -> OpenGL:
-    """Create an offscreen context as headless shows do and read its names; never raises, waits `timeout` [s]."""
+    """Create an offscreen context as headless shows do, and return its facts; never raise. `timeout` in [s]."""
     try:
         done = subprocess.run(
             [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=timeout, check=False
@@ -149,15 +145,15 @@ State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
 OLDEST_OPENGL = 410
 EXTRAS = {"linkpython-extern": "Ableton Link"}
-"""What a show lacks without an optional package."""
-_OTHER_PYTHON = "take Python 3.11 or 3.12: make clean play PYTHON=python3.12"
+"""Feature that is unavailable without an optional package."""
+_OTHER_PYTHON = "use Python 3.11 or 3.12: make clean play PYTHON=python3.12"
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One line of the doctor's table.
+    """One line of the table of `live doctor`.
 
-    `limited`: shows run, without what `detail` says. `missing` with `needed`: no show runs before `remedy` is done.
+    `limited`: shows run with the limitation in `detail`. `missing` with `needed`: no show runs before `remedy` is done.
     """
 
     name: str
@@ -168,13 +164,13 @@ class Check:
 
 
 def check_python() -> Check:
-    """The interpreter itself."""
+    """Check the Python version."""
     version = ".".join(map(str, sys.version_info[:3]))
     return Check("Python", "ok", f"{version}, {sys.executable}", needed=True)  # an older one cannot read this file
 
 
 def check_packages() -> Iterator[Check]:
-    """Every Python package that this one requires, by the metadata it was installed with."""
+    """Check every Python package that the installed metadata requires."""
     try:
         requirements = importlib.metadata.requires("choreographics-live") or []
     except importlib.metadata.PackageNotFoundError:
@@ -187,7 +183,7 @@ def check_packages() -> Iterator[Check]:
             yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
         except importlib.metadata.PackageNotFoundError:
             if "extra ==" in requirement:
-                yield Check(name, "limited", f"not installed: no {EXTRAS.get(name, 'such part')}", "make play")
+                yield Check(name, "limited", f"not installed: no {EXTRAS.get(name, 'such feature')}", "make play")
             elif optional:
                 detail = f"not for this Python ({requirement.partition(';')[2].strip()})"
                 yield Check(name, "limited", detail, _OTHER_PYTHON)
@@ -196,20 +192,20 @@ def check_packages() -> Iterator[Check]:
 
 
 def check_opengl() -> Check:
-    """OpenGL without a window, as headless shows and films use it."""
+    """Check OpenGL without a window, as used by headless shows and films."""
     opengl = probe_opengl()
     if opengl.renderer is None:
         return Check("OpenGL", "missing", opengl.why, install_line("opengl"), needed=True)
     detail = f"{opengl.version}, {opengl.renderer}"
     if opengl.code < OLDEST_OPENGL:
-        return Check("OpenGL", "missing", f"{detail}: 4.1 is needed", "a newer graphics driver", needed=True)
+        return Check("OpenGL", "missing", f"{detail}: 4.1 is needed", "install a newer graphics driver", needed=True)
     if opengl.software:
-        return Check("OpenGL", "ok", f"{detail} (software: the CPU draws)", needed=True)
+        return Check("OpenGL", "ok", f"{detail} (software: the CPU renders)", needed=True)
     return Check("OpenGL", "ok", f"{detail} (GPU)", needed=True)
 
 
 def check_monitors() -> Check:
-    """A screen to show on; without one, films can still be made."""
+    """Check for a monitor; without one, films can still be made."""
     section = monitors()
     if section.why is None:
         names = [f"{item['name']} {item['width']}×{item['height']}" for item in section.items]
@@ -225,7 +221,7 @@ def _check_section(name: str, section: Section, without: str, remedy: str) -> Ch
 
 
 def check_audio() -> Iterator[Check]:
-    """PortAudio, and something to listen to and to play on."""
+    """Check PortAudio, and audio inputs and outputs."""
     try:
         version = _portaudio_version()
     except OSError as error:
@@ -247,7 +243,7 @@ def _portaudio_version() -> str:
 
 
 def check_midi() -> Iterator[Check]:
-    """MIDI in and out."""
+    """Check MIDI inputs and outputs."""
     inputs, outputs = midi()
     remedy = "plug in a MIDI device"
     if inputs.why is not None and "libasound" in inputs.why:
@@ -259,14 +255,14 @@ def check_midi() -> Iterator[Check]:
 
 
 def check_kernels() -> Check:
-    """Whether the kernels lie compiled on disk, in a folder that can be written."""
+    """Check whether compiled kernels are cached in a writable folder."""
     from live.app.kernel_warmup import is_warm
     from live.base import jit
 
     wished, used = jit.cache_root(), jit.KERNELS
     if used != wished:
-        remedy = "make it writable, or name another folder in LIVE_CACHE_DIR"
-        return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until the reboot", remedy)
+        remedy = "make it writable, or set LIVE_CACHE_DIR to another folder"
+        return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until reboot", remedy)
     try:
         with tempfile.TemporaryFile(dir=used):
             pass
@@ -278,7 +274,7 @@ def check_kernels() -> Check:
 
 
 def check_osc_port() -> Check:
-    """Whether the default OSC port can be had."""
+    """Check whether the default OSC port is free."""
     host, port = OSC_ADDRESS
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -292,7 +288,7 @@ def check_osc_port() -> Check:
 
 
 def all_checks() -> Iterator[Check]:
-    """Every check, in the order of the table."""
+    """Yield every check in table order."""
     yield check_python()
     yield from check_packages()
     yield check_opengl()

@@ -1,4 +1,4 @@
-"""Fitting an even beat to events some of which are missing and some of which are none of it."""
+"""Fit of a regular beat grid to event times with missing events and outliers."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -12,22 +12,22 @@ Int = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
 SHARP: Final = 0.03
-"""Events this far [s] from a beat still count for 60 % of one."""
+"""Standard deviation [s] of an event about its beat: at this distance it counts 60 %."""
 NEAR: Final = 0.07
-"""Events farther than this [s] from every beat are none of it; people clap within 30 ms."""
+"""Events farther than this [s] from every beat are outliers; people clap within 30 ms."""
 NEAR_BEATS: Final = 0.2
-"""And farther than this in beats."""
+"""The same limit in beats."""
 PERIODS: Final = (0.24, 1.5)
-"""Seconds per beat that are looked for: 250 to 40 bpm."""
+"""Range of seconds per beat that is searched: 250 to 40 bpm."""
 GRAIN: Final = 0.002
-"""Steps in which offsets are tried [s]."""
+"""Step between tried offsets [s]."""
 LONGER: Final = 0.02
-"""Of two periods that explain the events equally well the longer one is meant: this share of a point per octave."""
+"""Score bonus per octave for longer periods, so that of two equally good periods the longer one is chosen."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BeatFit:
-    """Beats at offset_s + k · period_s, and how N events lie on them."""
+    """Beats at offset_s + k · period_s, and the assignment of N events to them."""
 
     times: Float64
     """The events [s], shape (N,)."""
@@ -36,25 +36,25 @@ class BeatFit:
     numbers: Int
     """Beat k nearest to each event, shape (N,)."""
     residuals: Float64
-    """How late each event is [s], shape (N,)."""
+    """Lateness of each event [s], shape (N,)."""
     belongs: Bool
-    """Whether the event is one of the beats, shape (N,)."""
+    """Whether the event is on a beat, shape (N,)."""
 
     @property
     def rms_s(self) -> float:
-        """Root mean square of the residuals of those that belong [s]."""
+        """Root mean square of the residuals of events on beats [s]."""
         own = self.residuals[self.belongs]
         return float(np.sqrt(np.mean(own**2))) if own.size else float("inf")
 
     @property
     def covered(self) -> float:
-        """Share of the beats from the first to the last that belong which have an event."""
+        """Share of the beats with an event, from the first such beat to the last."""
         own = np.unique(self.numbers[self.belongs])
         return own.size / (int(own[-1]) - int(own[0]) + 1) if own.size else 0.0
 
 
 def fit_known_period(times: Float64, period_s: float) -> BeatFit:
-    """The offset in [0, period) at which most events lie on beats (kernel density), refined over those that belong."""
+    """Return the fit with the offset in [0, period) that puts most events on beats (kernel density), refined on those."""
     offsets = np.arange(0.0, period_s, GRAIN)
     off = times[:, None] - offsets
     late = off - period_s * np.round(off / period_s)
@@ -68,11 +68,11 @@ def fit_known_period(times: Float64, period_s: float) -> BeatFit:
 
 
 def fit_free_period(times: Float64, periods: tuple[float, float] = PERIODS) -> BeatFit | None:
-    """Offset and period that explain the events best; None for fewer than three events that agree.
+    """Return the best fit of offset and period; None if fewer than three events agree.
 
     Candidates are the intervals between any two of four neighbouring events, and their halves and thirds (for missed
-    ones). The period is refined by least squares over the events that belong. Beats without events cost as much as
-    events without beats, so that the beat is not taken for twice as fast.
+    ones). The period is refined by least squares over the events on beats. Beats without events cost as much as events
+    without beats, so that the tempo is not doubled.
     """
     if times.size < 3:
         return None
@@ -99,7 +99,7 @@ def _worth(fit: BeatFit, events: int) -> float:
 
 
 def refined(fit: BeatFit) -> BeatFit:
-    """Offset and period by least squares over the events that belong, three times over."""
+    """Return the fit refined by three least-squares iterations over the events on beats."""
     for _ in range(3):
         numbers, own = fit.numbers[fit.belongs], fit.times[fit.belongs]
         if np.unique(numbers).size < 2:
@@ -115,7 +115,7 @@ def _laid(times: Float64, offset: float, period_s: float) -> BeatFit:
     numbers = np.round((times - offset) / period_s).astype(np.int64)
     late = times - offset - numbers * period_s
     belongs = np.abs(late) <= min(NEAR, NEAR_BEATS * period_s)
-    for number in np.unique(numbers[belongs]):  # of two events on one beat the nearer one is it
+    for number in np.unique(numbers[belongs]):  # of several events on one beat only the nearest counts
         rivals = np.flatnonzero(belongs & (numbers == number))
         belongs[rivals] = False
         belongs[rivals[np.argmin(np.abs(late[rivals]))]] = True

@@ -1,6 +1,7 @@
-"""Claps: sharp minima of the distance between the hands are the moments at which somebody clapped (T018, Fig 2.4).
+"""Clap detection and clap sync (T018, Fig 2.4).
 
-Clap sync: which claps are the count, and where the music begins in the recording (T018).
+Claps are sharp minima of the distance between the hands. Sync decides which claps are the count and where the music
+begins in the recording.
 """
 
 from dataclasses import dataclass, replace
@@ -17,21 +18,21 @@ from live.motion.retarget.body_tracks import BodyTracks
 Int = npt.NDArray[np.int64]
 
 PALMS_NEAR: Final = 0.22
-"""Palms nearer than this [m] may touch: skeletons put the hand's middle beside the palm, and retargeting widens it."""
+"""Palms nearer than this [m] may touch: the hand's centre is off the palm, and retargeting adds distance."""
 OPEN: Final = 0.07
-"""So far [m] the hands part before and after, within `REACH`."""
+"""Minimum distance [m] by which the hands separate before and after, within `REACH`."""
 REACH: Final = 0.4
-"""Seconds."""
+"""Window before and after a clap [s]."""
 SPEED: Final = 0.5
-"""They come together at least this fast [m/s] just before."""
+"""Minimum closing speed just before [m/s]."""
 TURN: Final = 0.9
-"""And the speed of the distance changes by this [m/s] from just before to just after: a V, not a U."""
+"""Minimum change of the distance's slope [m/s] from just before to just after: a V, not a U."""
 SIDE: Final = 0.03
-"""Seconds on each side that make the two sides of the V; at least two frames."""
+"""Seconds on each side over which the sides of the V are fitted; at least two frames."""
 SAME_WAY: Final = 0.2
-"""Hands that clap bounce off; hands that pass each other leave on the other side (cosine of the two directions)."""
+"""Minimum cosine between the directions before and after: clapping hands bounce back, passing hands cross."""
 APART: Final = 0.12
-"""Two claps are at least so far apart [s]."""
+"""Minimum time between two claps [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,19 +40,18 @@ class Clap:
     """One clap."""
 
     time_s: float
-    """When the hands met, between the frames; from the first frame that is kept [s]."""
+    """Time of contact with subframe precision, from the first kept frame [s]."""
     distance_m: float
-    """Smallest distance of the palms that was recorded."""
+    """Smallest recorded distance of the palms."""
     sharpness: float
-    """Change of the speed of the distance there [m/s]."""
+    """Change of the distance's slope [m/s]."""
 
 
 def find_claps(tracks: BodyTracks, start: int = 0) -> list[Clap]:
-    """Everything in the recording from frame `start` on that may be a clap, in order.
+    """Return all candidate claps from frame `start` on, in order.
 
-    The hands' touch is where the two sides of the V meet (a line through the frames on each side); where hands rest on
-    each other, it is where the first side comes down to that distance. Whether it was meant as a clap is decided by
-    whom it agrees with: `live.motion.beats.clap_sync`.
+    The time of contact is where lines through the frames on both sides of the V meet. If the hands rest on each other,
+    it is where the first line reaches that distance. The sync functions decide which candidates are claps.
     """
     apart = tracks.palms[start:, 0] - tracks.palms[start:, 1]
     distance = np.linalg.norm(apart, axis=-1)
@@ -69,7 +69,7 @@ def find_claps(tracks: BodyTracks, start: int = 0) -> list[Clap]:
 
 
 def _minima(distance: Float64) -> Int:
-    """Frames that are lower than the one before and not higher than the one after."""
+    """Return frames that are lower than the one before and not higher than the one after."""
     if distance.size < 5:
         return np.zeros(0, np.int64)
     down = distance[1:-1] < distance[:-2]
@@ -80,7 +80,7 @@ def _minima(distance: Float64) -> Int:
 
 def _clap(apart: Float64, distance: Float64, frame: int, rate: float) -> Clap | None:
     side, reach = max(2, round(SIDE * rate)), max(3, round(REACH * rate))
-    end = frame  # of the stretch in which the hands rest on each other
+    end = frame  # of the frames in which the hands rest on each other
     while end + 1 < distance.size and abs(distance[end + 1] - distance[frame]) < 0.1 * OPEN and end - frame < reach:
         end += 1
     if frame < side + 1 or end + side + 1 >= distance.size:
@@ -106,7 +106,7 @@ def _clap(apart: Float64, distance: Float64, frame: int, rate: float) -> Clap | 
 
 
 def _line(distance: Float64, first: int, stop: int, rate: float) -> tuple[float, float]:
-    """Slope [m/s] and value at time 0 [m] of the line through frames `first` to `stop` - 1."""
+    """Return slope [m/s] and value at time 0 [m] of the line through frames `first` to `stop` - 1."""
     time = np.arange(first, stop) / rate
     middle = time.mean()
     slope = float(((time - middle) * distance[first:stop]).sum() / ((time - middle) ** 2).sum())
@@ -114,48 +114,47 @@ def _line(distance: Float64, first: int, stop: int, rate: float) -> tuple[float,
 
 
 TIGHT: Final = 0.03
-"""Claps that scatter by this [s] about the beat cost a third of the confidence."""
+"""Scatter of claps about the beat [s] that reduces confidence by a third."""
 BREAK: Final = 4.5
-"""A count has no gap of more beats than this."""
+"""Maximum gap within a count [beats]."""
 FEWEST: Final = 4
-"""Fewer claps are no count without a click."""
+"""Minimum claps of a count without a click."""
 FAR: Final = 5.0
-"""Claps that follow such a pause [s] are another count, or part of the dance."""
+"""Claps after a pause of this length [s] are another count, or part of the dance."""
 MOST: Final = 64
-"""Claps of a group, and groups, that are looked at: hands that flutter for an hour must not take an hour."""
+"""Maximum claps per group and maximum groups, to bound the run time."""
 MOST_TO_SONG: Final = 24
-"""Claps that are matched to a song's first beats."""
+"""Maximum claps matched to a song's first beats."""
 FIRST_WINS: Final = 0.75
-"""The first count is meant, if it is this good against the best one: people clap before they dance."""
+"""The first count is chosen if its score is at least this share of the best: people clap before they dance."""
 ODD_TEMPO: Final = 0.03
-"""Where the claps' own tempo differs by more than this from the click's, the frame rate is in doubt."""
+"""If the tempo of the claps differs by more than this share from the click's, the frame rate is doubtful."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlacedClap:
-    """A clap and what became of it."""
+    """A clap and its assignment to a beat."""
 
     clap: Clap
     beat: int | None
-    """Number of its beat, from 1 for the first beat of the count (or of the song); None if it is none of them."""
+    """Number of its beat, from 1 for the first beat of the count (or of the song); None if it is on no beat."""
     residual_ms: float | None
-    """How late it is against the nearest beat [ms]; None without beats."""
+    """Lateness relative to the nearest beat [ms]; None without beats."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClapSync:
-    """A music reference with the claps it rests on."""
+    """A music reference with the claps it is derived from."""
 
     reference: MusicReference
     claps: tuple[PlacedClap, ...]
 
 
 def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> ClapSync | None:
-    """The claps as a count of `count` beats to a click of `bpm`; None if no clap fits.
+    """Sync the claps as a count of `count` beats to a click of `bpm`; None if no clap fits.
 
-    The tempo is the click's; the offset is the one on which most claps agree. The first beat is the first beat of the
-    count, whether it was clapped or not: with `count`, the stretch of so many beats that holds most claps (the first
-    of several); without, the first clap.
+    The tempo is the click's; the offset is that of most claps. The first beat is the first beat of the count, clapped
+    or not: with `count`, the run of that many beats with most claps (the first of several); without, the first clap.
     """
     if not claps:
         return None
@@ -173,7 +172,7 @@ def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> Cl
 
 
 def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
-    """Claps alone: their own tempo, the first clap of the count is the first beat; None if fewer than four agree."""
+    """Sync by claps alone: tempo from the claps, first beat at the first clap; None if fewer than four agree."""
     fits = [fit_free_period(times) for times in _groups(_times(claps), FAR)]
     agreeing = [fit for fit in fits if fit is not None and _count(fit, None)[1].size >= FEWEST]
     if not agreeing:
@@ -186,13 +185,13 @@ def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
 
 
 def _groups(times: Float64, pause: float) -> list[Float64]:
-    """Claps between pauses; of each group the first ones, for nobody counts longer than that."""
+    """Return groups of claps between pauses, each cut to the longest plausible count."""
     groups = np.split(times, np.flatnonzero(np.diff(times) > pause) + 1) if times.size else []
     return [group[:MOST] for group in groups[:MOST]]
 
 
 def _chosen(fits: list[BeatFit]) -> BeatFit:
-    """The first that is nearly as good as the best."""
+    """Return the first fit that is nearly as good as the best."""
     worth = [
         float(np.exp(-0.5 * (fit.residuals[fit.belongs] / TIGHT) ** 2).sum()) - 0.5 * int((~fit.belongs).sum())
         for fit in fits
@@ -203,7 +202,7 @@ def _chosen(fits: list[BeatFit]) -> BeatFit:
 
 
 def _over(fit: BeatFit, times: Float64) -> BeatFit:
-    """The fit of one group laid over all claps: those of other groups do not belong."""
+    """Return the fit of one group applied to all claps; claps of other groups are not on its beats."""
     numbers = np.round((times - fit.offset_s) / fit.period_s).astype(np.int64)
     late = times - fit.offset_s - numbers * fit.period_s
     own = np.isin(times, fit.times[fit.belongs])
@@ -211,12 +210,12 @@ def _over(fit: BeatFit, times: Float64) -> BeatFit:
 
 
 def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) -> ClapSync | None:
-    """The claps as the first beats of a song whose beats fall at `beats` [s of the song]; None if no clap fits.
+    """Sync the claps to the first beats of a song with beats at `beats` [s of the song]; None if no clap fits.
 
-    The recording and the song run at one speed; sought is the offset between them at which most claps lie on beats
-    and fewest beats between claps are without. Where the song's tempo is so even that several offsets fit, the first
-    clap is taken for the song's first beat. The reference's tempo is the song's over the beats that were clapped; its
-    first beat is the song's first that falls into the recording, whole measures after the song's first.
+    Recording and song run at the same speed. The chosen offset between them puts most claps on beats and leaves fewest
+    beats between claps empty. If the song's tempo is so even that several offsets fit, the first clap is the song's
+    first beat. The reference's tempo is that of a line through the song's beats; its first beat is the first one inside
+    the recording that is whole measures after the song's first.
     """
     if not claps or beats.size < 2:
         return None
@@ -240,7 +239,7 @@ def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) 
         first += beats_per_measure
     notes = [_clapped(own, None, fit), f"the song begins at {offset + shift:+.3f} s of the recording"]
     if _is_even(beats, times.size):
-        notes.append(f"its tempo is even: the first clap is taken for its beat {int(own[0]) + 1}")
+        notes.append(f"its tempo is even: the first clap is assigned to its beat {int(own[0]) + 1}")
     confidence = _confidence(fit, own, _span(own))
     reference = MusicReference(
         max(0.0, float(start + first * slope)), 60.0 / float(slope), confidence, "song", "; ".join(notes)
@@ -249,7 +248,7 @@ def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) 
 
 
 def _song_offset(times: Float64, beats: Float64) -> float:
-    """Offset [s] that brings most claps onto beats; of equally good ones the one that begins earliest in the song."""
+    """Return the offset [s] that puts most claps on beats; of equal ones the earliest in the song."""
     best, best_worth = 0.0, -np.inf
     for number, beat in enumerate(beats[: 4 * times.size + 64]):
         for time in times:
@@ -265,13 +264,13 @@ def _song_offset(times: Float64, beats: Float64) -> float:
 
 
 def _is_even(beats: Float64, count: int) -> bool:
-    """Whether the song's beats, moved by one, still lie on beats over as many as were clapped."""
+    """Whether the song's beats shifted by one still match, over as many beats as were clapped."""
     some = np.diff(beats[: count + 2])
     return bool(some.size < 2 or np.abs(some - some.mean()).sum() < NEAR)
 
 
 def _count(fit: BeatFit, count: int | None) -> tuple[int, Int]:
-    """Number of the first beat of the count, and the beats of it that were clapped."""
+    """Return the number of the count's first beat, and its clapped beats."""
     beats = np.unique(fit.numbers[fit.belongs])
     if count is not None:
         held = [int(((beats >= first) & (beats < first + count)).sum()) for first in beats]
@@ -287,7 +286,7 @@ def _span(own: Int) -> int:
 
 
 def _confidence(fit: BeatFit, own: Int, count: int) -> float:
-    """Clapped share of the count, less for scatter, for few claps, and for touches between them that are none."""
+    """Return the clapped share of the count, reduced for scatter, few claps, and stray touches between claps."""
     inside = (fit.numbers >= own[0]) & (fit.numbers <= own[-1])
     strays = int((inside & ~fit.belongs).sum())
     late = fit.residuals[fit.belongs & np.isin(fit.numbers, own)]

@@ -1,4 +1,4 @@
-"""What in a dance keeps time: steps, foot falls, the bounce of the hips, and motion beats."""
+"""Rhythm features of a dance: foot speed, landings, bounce of the hips, and motion beats."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -17,7 +17,7 @@ Int = npt.NDArray[np.int64]
 BLUR: Final = 0.033
 """Standard deviation of the smoothing of speeds [s]."""
 BEAT_BLUR: Final = 5.0 / 60.0
-"""That of the mean joint speed whose minima are motion beats [s]: 5 frames at 60 Hz, as Bailando has it."""
+"""The same for the mean joint speed whose minima are motion beats [s]: 5 frames at 60 Hz, as in Bailando."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,13 +27,13 @@ class Rhythm:
     rate: float
     """Samples per second."""
     feet: Float64
-    """Speed of both feet together, of each foot's slower end [m/s], shape (T,)."""
+    """Sum of both feet's speeds, each that of the slower end of the foot [m/s], shape (T,)."""
     falls: Float64
-    """How hard the feet are braked [m/s²], shape (T,): high where a step lands."""
+    """Deceleration of the feet [m/s²], shape (T,): high where a step lands."""
     bounce: Float64
     """Vertical speed of the hips [m/s], shape (T,)."""
     plants: Float64
-    """When a foot comes to stand [s], both feet, ascending."""
+    """Times at which a foot comes into contact [s], both feet, ascending."""
     motion_beats: Float64
     """Minima of the smoothed mean joint speed [s] (Bailando's kinematic beats)."""
 
@@ -44,7 +44,7 @@ class Rhythm:
 
 
 def rhythm_of(clip: Clip) -> Rhythm:
-    """The signals of a clip of at least five samples."""
+    """Return the signals of a clip of at least five samples."""
     rate = clip.sample_rate
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     speeds = np.linalg.norm(np.gradient(positions, axis=0), axis=-1) * rate
@@ -64,7 +64,7 @@ def rhythm_of(clip: Clip) -> Rhythm:
 
 
 def blurred(values: Float, deviation: float) -> Float64:
-    """A signal (T,) smoothed by a Gaussian of `deviation` samples; its ends are held."""
+    """Return a signal (T,) smoothed by a Gaussian of `deviation` samples; the end values are repeated."""
     half = max(1, round(4.0 * deviation))
     kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / max(deviation, 1e-6)) ** 2)
     return np.convolve(np.pad(np.asarray(values, np.float64), half, mode="edge"), kernel / kernel.sum(), mode="valid")

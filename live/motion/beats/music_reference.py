@@ -1,4 +1,4 @@
-"""MusicReference: where the beats lie in a recording (T017, T018), and how well that is known."""
+"""Beat reference of a recording (T017, T018): first beat, tempo and confidence."""
 
 from dataclasses import dataclass, replace
 from typing import Final, Literal
@@ -6,24 +6,24 @@ from typing import Final, Literal
 ReferenceSource = Literal["hand", "click", "claps", "song", "feet"]
 
 BPM_RANGE: Final = (20.0, 400.0)
-"""Tempi that a recording may have [bpm]."""
+"""Allowed tempi of a recording [bpm]."""
 
 
 @dataclass(frozen=True, slots=True)
 class MusicReference:
-    """beat(t) = (t - first_beat_s) · bpm / 60, from 0; times count from the first frame that is kept."""
+    """beat(t) = (t - first_beat_s) · bpm / 60, from 0; times count from the first kept frame."""
 
     first_beat_s: float
-    """When the first beat of the first measure falls [s]; not negative."""
+    """Time of the first beat of the first measure [s]; not negative."""
     bpm: float
     """Tempo [beats per minute]."""
     confidence: float
-    """0 to 1. Of claps: 1 would be a clap within a millisecond of every beat of a long count, 0.5 is usable, below 0.3
-    the claps contradict each other. A guess from the feet is never above 0.6: nobody heard the music. By hand: 1."""
+    """0 to 1. For claps: 1 would be a clap within a millisecond of every beat of a long count, 0.5 is usable, below 0.3
+    the claps contradict each other. An estimate from the feet is at most 0.6, because no music was heard. Manual: 1."""
     source: ReferenceSource
-    """What it rests on: an anchor set by hand, claps to a click, claps alone, claps to a song, or the feet."""
+    """Origin: a manual anchor, claps to a click, claps alone, claps to a song, or the feet."""
     note: str
-    """One line for people: what was found, and what is in doubt."""
+    """One line for display: the result and its uncertainties."""
 
     @property
     def period_s(self) -> float:
@@ -34,10 +34,10 @@ class MusicReference:
 def set_by_hand(
     reference: MusicReference | None, *, anchor_s: float | None = None, bpm: float | None = None
 ) -> MusicReference | None:
-    """What was found, with what a person has set put over it: a hand-set anchor or tempo always wins.
+    """Return the detected reference with manual values, which always take precedence.
 
-    An anchor is the first beat of the first measure. A tempo alone keeps the first beat that was found; an anchor
-    alone needs a tempo that was found. None if that leaves one of the two unknown.
+    An anchor is the first beat of the first measure. A tempo alone keeps the detected first beat; an anchor alone
+    needs a detected tempo. None if one of the two remains unknown.
     """
     if anchor_s is None and bpm is None:
         return reference

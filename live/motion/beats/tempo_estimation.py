@@ -1,14 +1,10 @@
-"""Tempo and beat of a dance to which nobody clapped, from the feet and the bounce: a guess for a person to confirm.
+"""Tempo and beat estimation from feet and bounce for dances without claps; the user confirms the result.
 
-A dance repeats itself after one, two, four and eight beats; how well it does is seen in the autocorrelation of what
-keeps time (steps, bounce). That says how long a beat is, up to octaves; where the beats lie is then seen from where
-feet land, and which beat is the first from how a measure's beats differ.
+A dance repeats after one, two, four and eight beats. The autocorrelation of foot speed and bounce gives the beat period
+up to octaves. Landings give the phase, and the difference between the beats of a measure gives the first beat.
 
-Two-beat lines: where a dance whose tempo wanders begins anew every two beats, seen in how fast its feet move.
-
-Dances of partners step quick, quick, slow: what repeats itself is not the beat but two of them. The phase of that one
-component is followed through the recording, so that a line is where the dance has it, and not where one tempo for
-the whole of it would. Two dancers of a pair have the same lines, each of them found without the other.
+Partner dances step quick, quick, slow, so they repeat every two beats. For recordings with varying tempo the phase of
+that component is tracked; its lines mark where each two beats begin.
 """
 
 from collections.abc import Sequence
@@ -26,50 +22,50 @@ PERIODS: Final = (0.3, 1.0)
 """Seconds per beat: 200 to 60 bpm."""
 CANDIDATES: Final = 600
 REPEATS: Final = ((1, 1.0), (2, 1.0), (4, 1.0), (8, 1.0))
-"""After how many beats a dance repeats itself, and what that counts."""
+"""Lags [beats] at which a dance repeats, with weights."""
 SLOW: Final = 1.0
-"""What changes more slowly than this [s] is no beat and is taken away first."""
+"""Width [s] of the smoothing whose result is subtracted first: slower changes are no beats."""
 LONGEST_LAG: Final = 6.2
-"""Seconds over which repetitions are compared (eight beats of 77 bpm)."""
+"""Longest lag of the autocorrelation [s] (eight beats at 77 bpm)."""
 SEEN: Final = 0.7
-"""Longest lag as a share of the clip: beyond it too little overlaps."""
+"""Longest lag as a share of the clip: beyond it the overlap is too short."""
 USUAL_BPM: Final = 118.0
-"""Of two octaves that fit the one nearer to this tempo is meant, as in the beat tracker."""
+"""Of fitting octaves the one nearest to this tempo is chosen, as in the beat tracker."""
 OCTAVE_SLACK: Final = 0.03
-"""How far a peak at half or twice the period may lie beside it."""
+"""Relative tolerance of a peak at half or twice the period."""
 FINE: Final = 0.02
-"""Share by which the period is corrected so that all landings of the clip fall on beats."""
+"""Maximum relative correction of the period, so that all landings of the clip fall on beats."""
 CERTAIN: Final = 0.6
-"""Most that a guess is worth."""
+"""Maximum confidence of an estimate."""
 BRAKED: Final = 0.09
-"""A foot is braked hardest so many beats before it stands (sketched steps, which land exactly on the beat)."""
+"""Beats from a foot's strongest deceleration to its contact (from sketched steps, which land exactly on the beat)."""
 TELLING: Final = 0.35
-"""Below this length of the mean phase vector what lands when is chance, and the period is not corrected by it."""
+"""Below this length of the mean phase vector landings are random, and the period is not corrected."""
 AGREEING: Final = 0.4
-"""Landings that agree on a phase at least so well (length of the mean phase vector) say where the beat is."""
+"""Minimum length of the landings' mean phase vector for them to correct the phase."""
 SHORTEST_DANCE: Final = 2.5
-"""Seconds of dance below which nothing is guessed."""
+"""Minimum length of a clip for an estimate [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class TempoGuess:
-    """A guess with what speaks for it."""
+    """A tempo estimate with its evidence."""
 
     reference: MusicReference
     repetition: float
-    """How well the dance repeats itself beat by beat (mean autocorrelation over 1, 2, 4 and 8 beats), -1 to 1."""
+    """How well the dance repeats (mean autocorrelation over 1, 2, 4 and 8 beats), -1 to 1."""
     landing: float
-    """How well the feet land on the beats (length of the mean phase vector), 0 to 1."""
+    """How well feet land on the beats (length of the mean phase vector), 0 to 1."""
     contrast: float
-    """How much the beats of a measure differ, against how much one beat differs from measure to measure, 0 to 1."""
+    """Variance between the beats of a measure as a share of the total variance, 0 to 1."""
     other_bpm: tuple[float, ...]
-    """Tempi that fit nearly as well, the best first."""
+    """Other possible tempi, best first."""
 
 
 def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None) -> TempoGuess | None:
-    """Tempo, first beat and how sure they are; None where a clip is too short or stands still.
+    """Estimate tempo, first beat and confidence; None for a clip that is too short or does not move.
 
-    Where the tempo is known (`bpm`, of a click nobody clapped to) only the first beat is guessed.
+    If the tempo is known (`bpm`, from a click) only the first beat is estimated.
     """
     if clip.sample_count < SHORTEST_DANCE * clip.sample_rate:
         return None
@@ -97,7 +93,7 @@ def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None
 
 
 def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
-    """Candidate periods [s] and how well the dance repeats itself at each, both (CANDIDATES,)."""
+    """Return candidate periods [s] and the repetition score of each, both (CANDIDATES,)."""
     periods = np.geomspace(*PERIODS, CANDIDATES)
     longest = int(min(LONGEST_LAG, SEEN * rhythm.seconds) * rhythm.rate)
     curves = [_autocorrelation(signal, rhythm.rate, longest) for signal in (rhythm.feet, rhythm.bounce)]
@@ -115,7 +111,7 @@ def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
 
 
 def _autocorrelation(signal: Float64, rate: float, longest: int) -> Float64 | None:
-    """Normalised autocorrelation for lags from 0 to `longest` - 1 samples; None for a signal that does not change."""
+    """Return the normalised autocorrelation for lags from 0 to `longest` - 1 samples; None for a constant signal."""
     changes = signal - blurred(signal, SLOW * rate)
     changes -= changes.mean()
     if float(changes.std()) < 1e-4:
@@ -127,13 +123,13 @@ def _autocorrelation(signal: Float64, rate: float, longest: int) -> Float64 | No
 
 
 def _peaks(scores: Float64) -> list[int]:
-    """Local maxima, the highest first."""
+    """Return the indices of local maxima, highest first."""
     inner = np.flatnonzero((scores[1:-1] > scores[:-2]) & (scores[1:-1] >= scores[2:])) + 1
     return [int(p) for p in inner[np.argsort(-scores[inner], kind="stable")]]
 
 
 def _octave(periods: Float64, peaks: list[int]) -> float:
-    """Period of the best peak, or half or twice that, if that is nearer to usual tempi and there is a peak, too."""
+    """Return the period of the best peak, or half or twice that if it has a peak and is nearer to the usual tempo."""
     best = float(periods[peaks[0]])
     related = [best]
     for period in (0.5 * best, 2.0 * best):
@@ -143,10 +139,10 @@ def _octave(periods: Float64, peaks: list[int]) -> float:
 
 
 def _landed(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, float]:
-    """Period corrected by what lands when, how well that fits (0 to 1), and the phase of the beats [s].
+    """Return the period corrected by the landings, how well they fit (0 to 1), and the phase of the beats [s].
 
-    The correction is by a share of `fine` at most.
-    Feet are braked before they stand: where the landings agree, they say when the beat is.
+    The relative correction is at most `fine`. Feet decelerate before contact, so the phase is taken from the contacts
+    if they agree.
     """
     time = np.arange(rhythm.falls.size) / rhythm.rate
     tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
@@ -166,10 +162,10 @@ def _landed(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, f
 
 
 def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: int) -> tuple[float, float]:
-    """When the first beat of the first whole measure falls [s], and the contrast of the measure's beats.
+    """Return the time of the first beat of the first whole measure [s], and the contrast of the measure's beats.
 
-    Dancers rest before they begin anew (salsa holds its fourth beat): the beat after the one with the least footwork
-    is taken for the first.
+    Dancers rest before a measure begins (salsa holds its fourth beat): the beat after the one with the least footwork
+    is the first.
     """
     beats = np.arange(phase, rhythm.seconds - period, period)
     if beats.size < 2 * beats_per_measure:
@@ -190,31 +186,30 @@ SHORTEST_TWO_BEATS: Final = 0.6
 LONGEST: Final = 1.2
 """Seconds of two beats: 200 to 100 bpm."""
 NEAR: Final = 0.06
-"""By this share two beats may be shorter or longer than they are said to be."""
+"""Relative tolerance of a given duration of two beats."""
 FOLLOWED: Final = 2.5
-"""Standard deviation of the window in which a phase is read [s]."""
+"""Standard deviation of the window for the phase [s]."""
 SLOW_HALF_WIDTH: Final = 0.5
-"""Half the width of the mean [s] that is taken away first."""
+"""Half the width [s] of the moving average that is subtracted first."""
 FEWEST: Final = 6.0
-"""So many times two beats at least."""
+"""Minimum length of a recording in units of two beats."""
 CLEAR: Final = 0.3
-"""From this strength on the lines can be relied on: noise has 0.2, salsa 0.4 to 0.6."""
+"""Minimum strength of reliable lines: noise has 0.2, salsa 0.4 to 0.6."""
 PADDED: Final = 16
-"""Spectra are made of so many times the recording's length."""
+"""Zero padding of spectra, as a multiple of the recording's length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TwoBeats:
-    """Lines through a whole recording."""
+    """Lines at every second beat of a recording."""
 
     lines: Float64
-    """When two beats begin [s], ascending, (n,): all of them."""
+    """Times at which two beats begin [s], ascending, (n,)."""
     strength: float
-    """Amplitude of the component against that of a pure wave as strong as the whole signal, 0 to 1."""
+    """Amplitude of the component relative to a pure wave with the power of the signal, 0 to 1."""
 
     def beats(self, last: float) -> Float64:
-        """The lines, the middles between them, and the same before the first and after the last one, from 0 to `last`
-        [s]."""
+        """Return lines and midpoints, extended by one line at each end, from 0 to `last` [s]."""
         length = float(np.diff(self.lines).mean())
         lines = np.concatenate((self.lines[:1] - length, self.lines, self.lines[-1:] + length))
         beats = np.sort(np.concatenate((lines, 0.5 * (lines[1:] + lines[:-1]))))
@@ -222,9 +217,9 @@ class TwoBeats:
 
 
 def two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> TwoBeats | None:
-    """The lines that clips of one dance have together; None where there are too few, or nothing moves.
+    """Return the common lines of clips of one dance; None if they are too short or nothing moves.
 
-    All have one rate, and begin together. `two_beats` [s]: how long two beats are, as far as it is known.
+    All clips have the same rate and start time. `two_beats` [s]: duration of two beats, if known.
     """
     rate = clips[0].sample_rate
     count = min(clip.sample_count for clip in clips)
@@ -247,7 +242,7 @@ def two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> Two
 
 
 def _feet(clip: Clip, count: int) -> Float64:
-    """How fast the feet are, less what changes slowly, as strong as another's, (count,)."""
+    """Return the foot speed without slow changes, normalised to unit deviation, (count,)."""
     feet = rhythm_of(clip).feet[:count]
     half = max(1, round(SLOW_HALF_WIDTH * clip.sample_rate))
     mean = np.convolve(np.pad(feet, half, mode="edge"), np.full(2 * half + 1, 1.0 / (2 * half + 1)), mode="valid")
@@ -255,7 +250,7 @@ def _feet(clip: Clip, count: int) -> Float64:
 
 
 def _period(signal: Float64, rate: float, two_beats: float | None) -> float:
-    """The strongest one there is in a signal (T,) between the shortest and the longest two beats, or near those."""
+    """Return the strongest period of a signal (T,) between the shortest and longest two beats, or near `two_beats`."""
     low, high = (
         (SHORTEST_TWO_BEATS, LONGEST) if two_beats is None else (two_beats / (1.0 + NEAR), two_beats * (1.0 + NEAR))
     )

@@ -1,1 +1,1 @@
-"""Poses of people who are captured live, made whole and smooth. It may import what `motion` may."""
+"""Live motion capture: poses of captured people, retargeted and smoothed. May import what `motion` may."""

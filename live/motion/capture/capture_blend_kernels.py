@@ -1,7 +1,5 @@
-"""Where captured poses lead those who wear them: places in a tick, their agents, and what is planned of them.
-
-Captured poses worn by dancers: as far as each wears one, the rest being her own.
-"""
+"""Kernels that blend captured poses into the dancers' own poses, and move their agents and planned paths
+accordingly."""
 
 import math
 
@@ -44,11 +42,12 @@ def find_places(
     root: Float32, turned: Float32, stamp: Float64, count: int, scale: float, mirrored: bool,
     shown: Float32, legs: Float32,
 ) -> None:  # fmt: skip
-    """Where the dancers `rows` (n,), who are `live` (n,), are seen in a tick: `there` (n, 2) [m]; how far those who are
-    wholly captured have gone from where their own dance has them, `way` (n, 2) [m]; and the turn from their own heading
-    to the captured one, `away` (n,) [rad]: where both are mixed it goes on from the last tick's, so that nobody swings
-    round. `shown` (A, 2): where their own hips are, `legs` (A, 9, 4) how turned; the rest as in
-    `live.motion.captured.wearing`.
+    """Find where the dancers `rows` (n,), captured `live` (n,), are in a tick: `there` (n, 2) [m].
+
+    `way` (n, 2) [m] is the offset of fully captured dancers from the position of their own dance; `away` (n,) [rad] is
+    the turn from their own heading to the captured one. While both are mixed, `away` continues from the last tick's
+    value, so that the heading never jumps by a whole turn. `shown` (A, 2): position of their own hips; `legs` (A, 9,
+    4): rotations. The other parameters are as in `wear`.
     """
     held = stamp.shape[0]
     for n in range(rows.shape[0]):
@@ -74,10 +73,11 @@ def put_agents(
     rows: Int64, live: Bool, there: Float64, place: Float64, speed: Float64, led: Bool, flat: Float32,
     dt: float, fastest: float, believed: float,
 ) -> None:  # fmt: skip
-    """The agents `rows` (n,) who are `live` (n,) stand `there` (n, 2) [m]: their columns of `flat` (AgentState) change.
+    """Move the agents `rows` (n,) that are `live` (n,) to `there` (n, 2) [m]: their columns of `flat` (AgentState)
+    change.
 
-    `place` (A, 2) [m] is where they were a tick of `dt` [s] ago if they were `led` (A,), `speed` (A, 2) [m/s] is
-    smoothed by the share `believed` of what that makes, `fastest` at most; both are brought up to date.
+    `place` (A, 2) [m] is their position a tick of `dt` [s] ago if they were `led` (A,). `speed` (A, 2) [m/s] is
+    smoothed by the share `believed` towards the measured speed, at most `fastest`. Both are updated.
     """
     count = led.shape[0]
     for n in range(rows.shape[0]):
@@ -106,8 +106,11 @@ def take_dance_along(
     begin: Float64, end: Float64, coming_end: Float64, path: Float32, coming_path: Float32,
     shown: Float32, lock: Float32,
 ) -> None:  # fmt: skip
-    """All that is planned of the dancers `rows` (n,) lies elsewhere by `way` (n, 2) [m]: placements (A, 3), ends
-    (A, 2), paths (A, P, 2), where they are `shown` (A, 2); and no foot of theirs is held, `lock` (A, 2, columns)."""
+    """Move all plans of the dancers `rows` (n,) by `way` (n, 2) [m].
+
+    These are placements (A, 3), ends (A, 2), paths (A, P, 2) and the `shown` (A, 2) positions. Their feet are unlocked:
+    `lock` (A, 2, columns).
+    """
     for n in range(rows.shape[0]):
         a = rows[n]
         for c in range(2):
@@ -136,12 +139,12 @@ def wear(
     root: Float32, turned: Float32, stamp: Float64, count: int, scale: float, mirrored: bool,
     offsets: Float32, parents: Int32, other: Int32,
 ) -> None:  # fmt: skip
-    """Let the dancers `rows` (n,) of `position` (A, J, 3) and `rotation` (A, J, 4), world, wear captured poses.
+    """Blend captured poses into the dancers `rows` (n,) of `position` (A, J, 3) and `rotation` (A, J, 4), world.
 
-    `asked` (n, 8): columns as in `live.motion.captured.remembered`. `root` (M + 1, 3) and `turned` (M + 1, J, 4) are
-    the poses remembered, the newest at `count` - 1 modulo M, and the one held before a gap at M; `stamp` (M, 2) when
-    they came. Between two of them poses are interpolated. Ways are `scale` times as long; `mirrored` exchanges the
-    sides, `other` (J,) says the other side.
+    `asked` (n, 8): columns KEY … as in `capture_kernels`. `root` (M + 1, 3) and `turned` (M + 1, J, 4) are the buffered
+    poses, the newest at `count` - 1 modulo M, and at M the one held before a gap; `stamp` (M, 2) are their times. Poses
+    are interpolated between stamps. Distances are scaled by `scale`; `mirrored` exchanges the sides, `other` (J,) is
+    the opposite joint.
     """
     joints, held = parents.shape[0], stamp.shape[0]
     own = np.empty((joints, 4))

@@ -1,12 +1,7 @@
-"""A captured body's pose brought over: a strange skeleton's bones and places onto ours.
+"""Kernels for captured bodies: retargeting to the engine's skeleton, unpacking of poses, sampling of buffered poses.
 
-Rotations of a packed pose, out of its bytes.
-
-Rotations one by one, as quaternions (w, x, y, z) in double precision: parts for kernels of captured bodies.
-
-Their loops run over the 22 joints of few dancers, so there are no blocks.
-
-Remembered poses of a captured body: found by their stamps, sampled between them, and put on the stage.
+Rotations are quaternions (w, x, y, z) in double precision. The loops cover the 22 joints of few dancers, so there are
+no blocks.
 """
 
 import math
@@ -21,12 +16,12 @@ Float32 = npt.NDArray[np.float32]
 UInt8 = npt.NDArray[np.uint8]
 
 STEPS = 16383
-"""Steps of a component to one side of zero: 15 bits."""
+"""Quantization steps of a component on each side of zero: 15 bits."""
 
 
 @kernel("void(f4[:,::1], u1[::1])")
 def read_rotations(rotation: Float32, data: UInt8) -> None:
-    """Write `rotation` (J, 4) as six bytes of `data` for each joint say: see `live.motion.packed_pose`."""
+    """Decode `rotation` (J, 4) from six bytes of `data` per joint (see `live.motion.packed_pose`)."""
     scale = 1.0 / (math.sqrt(2.0) * STEPS)
     kept = np.empty(3)
     for j in range(rotation.shape[0]):
@@ -37,7 +32,7 @@ def read_rotations(rotation: Float32, data: UInt8) -> None:
         for k in range(3):
             kept[k] = (((bits >> (30 - 15 * k)) & 0x7FFF) - STEPS) * scale
             squares += kept[k] * kept[k]
-        # hostile letters may hold components that no rotation has together
+        # malformed input may contain components that form no unit quaternion
         last, size = math.sqrt(max(1.0 - squares, 0.0)), math.sqrt(max(squares, 1.0))
         n = 0
         for c in range(4):
@@ -54,7 +49,7 @@ Rotation = tuple[float, float, float, float]
 
 @part
 def times(a: Rotation, b: Rotation) -> Rotation:
-    """First b, then a."""
+    """Quaternion product: b first, then a."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -65,7 +60,7 @@ def times(a: Rotation, b: Rotation) -> Rotation:
 
 @part
 def turn_vector(q: Rotation, x: float, y: float, z: float) -> Vector:
-    """The vector turned by q."""
+    """Return the vector rotated by q."""
     tx, ty, tz = 2.0 * (q[2] * z - q[3] * y), 2.0 * (q[3] * x - q[1] * z), 2.0 * (q[1] * y - q[2] * x)
     return (
         x + q[0] * tx + q[2] * tz - q[3] * ty,
@@ -76,13 +71,13 @@ def turn_vector(q: Rotation, x: float, y: float, z: float) -> Vector:
 
 @part
 def inverse(q: Rotation) -> Rotation:
-    """The turn back."""
+    """Return the inverse of a unit quaternion."""
     return q[0], -q[1], -q[2], -q[3]
 
 
 @part
 def shortest_turn(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
-    """The shortest turn that brings direction a to direction b; none at all where they are opposite."""
+    """Return the shortest rotation from direction a to direction b; the identity for opposite directions."""
     scale = 1.0 / math.sqrt((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz))
     w = 1.0 + (ax * bx + ay * by + az * bz) * scale
     x, y, z = (ay * bz - az * by) * scale, (az * bx - ax * bz) * scale, (ax * by - ay * bx) * scale
@@ -94,7 +89,7 @@ def shortest_turn(ax: float, ay: float, az: float, bx: float, by: float, bz: flo
 
 @part
 def mix(a: Rotation, b: Rotation, t: float) -> Rotation:
-    """From a to b by the shorter way, at the share t of it: the chord, made a rotation again."""
+    """Interpolate from a to b along the shorter arc by the share t: the chord, normalized."""
     sign = 1.0 if a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] >= 0.0 else -1.0
     w, x = a[0] + t * (sign * b[0] - a[0]), a[1] + t * (sign * b[1] - a[1])
     y, z = a[2] + t * (sign * b[2] - a[2]), a[3] + t * (sign * b[3] - a[3])
@@ -106,13 +101,13 @@ def mix(a: Rotation, b: Rotation, t: float) -> Rotation:
 
 @part
 def heading(q: Rotation) -> float:
-    """How far q turns about the vertical [rad]: its twist."""
+    """Return the twist of q about the vertical [rad]."""
     return 2.0 * math.atan2(q[2], q[0])
 
 
 @part
 def _logarithm(q: Rotation) -> Vector:
-    """The logarithm of q: axis times half the angle."""
+    """Return the logarithm of q: axis times half the angle."""
     sine = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     sign = 1.0 if q[0] >= 0.0 else -1.0
     scale = sign * math.atan2(sine, abs(q[0])) / sine if sine > 1e-9 else sign
@@ -121,10 +116,10 @@ def _logarithm(q: Rotation) -> Vector:
 
 @part
 def through_rest(a: Rotation, b: Rotation, t: float) -> Rotation:
-    """Between a and b by their turns from the rest pose.
+    """Interpolate between a and b linearly in their rotation vectors from the rest pose.
 
-    The shorter way from one to the other may be the other way round a moment later, and then a limb would jump; but no
-    joint turns half round from its rest pose.
+    The shorter arc between a and b can flip from one moment to the next, and a limb would jump. No joint turns by half
+    a turn from its rest pose, so this interpolation is continuous.
     """
     ax, ay, az = _logarithm(a)
     bx, by, bz = _logarithm(b)
@@ -136,13 +131,13 @@ def through_rest(a: Rotation, b: Rotation, t: float) -> Rotation:
 
 @part
 def row_of(rows: Any, n: int) -> Rotation:
-    """Row n of `rows` (N, 4)."""
+    """Return row n of `rows` (N, 4)."""
     return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3]
 
 
 @part
 def about_vertical(angle: float) -> Rotation:
-    """The turn by `angle` [rad] about the vertical."""
+    """Return the rotation by `angle` [rad] about the vertical."""
     return math.cos(0.5 * angle), 0.0, math.sin(0.5 * angle), 0.0
 
 
@@ -151,11 +146,11 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 NEAR = 0.05
-"""A foot this high [m] over the lower one counts e times less when the hips are placed."""
+"""The weight of a foot in placing the hips falls by a factor e per this height [m] over the lower foot."""
 SHORT = 0.02
-"""What is nearer to its parent than this [m] says nothing of where the bone points."""
+"""A joint nearer to its parent than this [m] defines no bone direction."""
 LEAST_LEG, MOST_LEG = 0.3, 1.8
-"""Legs [m] that are believed."""
+"""Range of plausible leg lengths [m]."""
 
 
 @part
@@ -163,7 +158,10 @@ def _chain(
     theirs: Float64, ours: Float64, rotation: Float64, bones: Float64, known: Bool, root: Float64,
     offsets: Float32, parents: Int32, limb: Bool,
 ) -> None:  # fmt: skip
-    """Every joint in the world, `theirs` (J, 7) place and rotation, of `ours` (J, 4) the rotation; and that locally."""
+    """Compute all joints in the world: `theirs` (J, 7) position and rotation, `ours` (J, 4) rotation.
+
+    Writes the local rotations to `rotation`.
+    """
     for j in range(parents.shape[0]):
         p = max(parents[j], 0)
         q = (bones[j, 3], bones[j, 4], bones[j, 5], bones[j, 6]) if known[j] else (1.0, 0.0, 0.0, 0.0)
@@ -188,7 +186,7 @@ def _chain(
 
 @part
 def _ratio(bones: Float64, known: Bool, offsets: Float32, legs: Int32) -> float:
-    """How long our legs are, theirs being 1; 0 where that is not known or not believed."""
+    """Return our leg length divided by theirs; 0 if theirs is unknown or implausible."""
     length, own = 0.0, 0.0
     for side in range(2):
         for k in range(1, 3):
@@ -202,7 +200,7 @@ def _ratio(bones: Float64, known: Bool, offsets: Float32, legs: Int32) -> float:
 
 @part
 def _leg(hips: Float64, ours: Float64, offsets: Float32, legs: Int32, soles: Float64, foot: Float64, side: int) -> None:
-    """Where the ankle of a side is, and how high the sole: `foot` (4,) [m]."""
+    """Compute the ankle position and the sole height of a side: `foot` (4,) [m]."""
     x, y, z, p = hips[0], hips[1], hips[2], 0
     for k in range(4):
         j = legs[4 * side + k]
@@ -218,14 +216,14 @@ def bring_over(
     hips: Float64, rotation: Float64, bones: Float64, known: Bool, root: Float64,
     offsets: Float32, parents: Int32, limb: Bool, legs: Int32, soles: Float64,
 ) -> float:  # fmt: skip
-    """A captured skeleton's pose on ours: writes `hips` (3,) [m] and local `rotation` (J, 4); returns the height [m]
-    of the lowest sole.
+    """Retarget a captured pose: writes `hips` (3,) [m] and local `rotation` (J, 4); returns the lowest sole's height
+    [m].
 
-    In: `bones` (J, 7) place from the parent [m] and local rotation of the joints that are `known` (J,), in our axes,
-    rest pose as ours; `root` (7,) where that skeleton stands; `limb` (J,) joints whose bone, to the next joint, shall
-    point where the source's does; `legs` (8,) upper leg, lower leg, foot and toes of both sides; `soles` (2,) heights
-    [m] of ankle and toe joint of a standing foot. Sizes are scaled by the length of the legs; the hips are placed so
-    that the lower foot is where the source's, scaled, is.
+    In: `bones` (J, 7) position relative to the parent [m] and local rotation of the `known` (J,) joints, in our axes
+    and with our rest pose; `root` (7,) pose of that skeleton's origin; `limb` (J,) joints whose bone to the next joint
+    points where the source's does; `legs` (8,) upper leg, lower leg, foot and toes of both sides; `soles` (2,) heights
+    [m] of ankle and toe joint of a standing foot. Sizes are scaled by leg length. The hips are placed so that the lower
+    foot is at the scaled position of the source's.
     """
     joints = parents.shape[0]
     theirs, ours, feet = np.empty((joints, 7)), np.empty((joints, 4)), np.empty((2, 4))
@@ -253,16 +251,16 @@ def bring_over(
 
 
 TIME, BEAT = range(2)
-"""Columns of `stamp`: when a remembered pose came [s], and the danced beat at that time."""
+"""Columns of `stamp`: arrival time of a buffered pose [s], and the danced beat at that time."""
 KEY, WANTED, CAUGHT, SHARE, PLACE_X, PLACE_Z, YAW, TURNED, ASKED = range(9)
-"""Columns of what is asked: by which stamp, of when; how much of that pose, the rest being the one held before a gap;
-how much is worn of it, the rest being the dancer's own; where the capture's origin lies [m] and its turn [rad]; and how
-far the dancer was turned from her own heading last [rad], whole turns counted."""
+"""Columns of a request: column of `stamp` to search; the stamp to sample; weight of that pose against the one held
+before a gap; weight of the captured pose against the dancer's own; position [m] and turn [rad] of the capture's origin
+on the stage; and the dancer's last turn from the own heading [rad], including whole turns."""
 
 
 @part
 def find_stamps(stamp: Float64, count: int, key: int, wanted: float) -> tuple[int, int, float]:
-    """The two remembered poses around `wanted`, and how far it is from the first to the second."""
+    """Return the two buffered poses around `wanted`, and the interpolation share between them."""
     size = stamp.shape[0]
     newer = (count - 1) % size
     if stamp[newer, key] <= wanted:
@@ -278,7 +276,7 @@ def find_stamps(stamp: Float64, count: int, key: int, wanted: float) -> tuple[in
 
 @part
 def _between_two(root: Float32, held: int, i: int, j: int, t: float, caught: float, c: int) -> float:
-    """A coordinate of the hips between two remembered poses, or on the way to there from the one that was held."""
+    """Return a coordinate of the hips between two buffered poses, blended with the held one by `caught`."""
     value = root[i, c] + t * (root[j, c] - root[i, c])
     mixed: float = root[held, c] + caught * (value - root[held, c])
     return mixed
@@ -288,7 +286,7 @@ def _between_two(root: Float32, held: int, i: int, j: int, t: float, caught: flo
 def stood(
     root: Float32, held: int, i: int, j: int, t: float, asked: Float64, n: int, scale: float, mirrored: bool
 ) -> Vector:
-    """Where the hips of what row `n` asks for are on the stage [m]."""
+    """Return the hip position on the stage [m] for row `n` of the requests."""
     caught = asked[n, CAUGHT]
     x = _between_two(root, held, i, j, t, caught, 0) * (-scale if mirrored else scale)
     y = _between_two(root, held, i, j, t, caught, 1)
@@ -301,7 +299,7 @@ def stood(
 def rotation_between(
     turned: Float32, held: int, i: int, j: int, t: float, caught: float, joint: int, mirrored: bool
 ) -> Any:
-    """The local rotation of a joint between two remembered poses, or on the way there from the one that was held."""
+    """Return a joint's local rotation between two buffered poses, blended with the held one by `caught`."""
     q = mix(row_of(turned[i], joint), row_of(turned[j], joint), t)
     if caught < 1.0:
         q = mix(row_of(turned[held], joint), q, caught)
@@ -313,8 +311,11 @@ def where_captured(
     place: Float64, asked: Float64, root: Float32, turned: Float32, stamp: Float64, count: int, scale: float,
     mirrored: bool,
 ) -> None:  # fmt: skip
-    """Where the hips of what is `asked` (n, 8) are on the stage: `place` (n, 4), x, y, z [m] and their heading [rad];
-    the rest as in `live.motion.captured.wearing`."""
+    """Compute hip positions on the stage for the requests `asked` (n, 8): `place` (n, 4), x, y, z [m] and heading
+    [rad].
+
+    The other parameters are as in `capture_blend_kernels.wear`.
+    """
     held = stamp.shape[0]
     for n in range(asked.shape[0]):
         i, j, t = find_stamps(stamp, count, int(asked[n, KEY]), asked[n, WANTED])

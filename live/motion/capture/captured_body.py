@@ -1,4 +1,4 @@
-"""CapturedBody: the skeleton of a real dancer as it comes in, brought onto the engine's."""
+"""Retargeting of a live captured skeleton to the engine's, with floor estimation."""
 
 from typing import Final
 
@@ -14,9 +14,9 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 FLOOR_WINDOW: Final = 2.0
-"""Seconds within which a foot is sure to come down (a jump lasts less than one): that is where the floor is."""
+"""Window [s] in which a foot certainly touches the floor (a jump lasts less than 1 s)."""
 FLOOR_HALFLIFE: Final = 0.3
-"""The floor that is believed goes to the one found by half in this time [s]."""
+"""Half-life with which the estimate approaches the measured floor [s]."""
 _PARTS: Final = 8
 _LIMBS: Final = np.array([name.endswith(("UpperArm", "LowerArm", "UpperLeg", "LowerLeg")) for name in SKELETON.names])
 _LEGS: Final = np.array(
@@ -29,17 +29,17 @@ _SOLES: Final = np.array([SOLE_BELOW_ANKLE, TOES_OVER_SOLE])
 
 
 class Floor:
-    """Where the floor is under somebody who mostly stands on it: the lowest sole of the last seconds."""
+    """Floor height under a captured person: the lowest sole of the last seconds, smoothed."""
 
     def __init__(self) -> None:
         self._lows = [np.inf] * _PARTS
         self._part = -1
         self._time = 0.0
         self.height = 0.0
-        """What is believed [m]."""
+        """Current estimate [m]."""
 
     def follow(self, lowest: float, time: float) -> float:
-        """The lowest sole is at `lowest` [m] at `time` [s]; returns the floor that is believed then."""
+        """Update with the lowest sole at `lowest` [m] at `time` [s]; return the estimated floor height."""
         part = int(time / FLOOR_WINDOW * _PARTS)
         first = self._part < 0 or part - self._part >= _PARTS
         for each in range(max(self._part + 1, part - _PARTS + 1), part + 1):
@@ -54,10 +54,10 @@ class Floor:
 
 
 class CapturedBody:
-    """One real dancer. Thread: one.
+    """One captured person. To be used from one thread.
 
-    The captured skeleton has the joints of ours, or some of them, with our rest pose (a T-pose facing +z, all
-    rotations the identity) and lengths of its own.
+    The captured skeleton has the engine's joints, or some of them, with the engine's rest pose (a T-pose facing +z, all
+    rotations the identity) and its own bone lengths.
     """
 
     def __init__(self) -> None:
@@ -65,11 +65,11 @@ class CapturedBody:
         self._hips, self._rotation = np.zeros(3), np.zeros((JOINT_COUNT, 4))
 
     def packed(self, bones: Float64, known: Bool, root: Float64, time: float, *, find_floor: bool = True) -> str:
-        """Her pose at `time` [s], packed; ValueError for one that cannot be.
+        """Return the pose at `time` [s], packed; raises ValueError if it is invalid.
 
-        `bones` (J, 7): place from the parent [m] and local rotation (w, x, y, z) of the joints that are `known` (J,);
-        `root` (7,): where all that stands; in the engine's axes. `find_floor`: whether her feet are brought down to the
-        floor, wherever the capture has its own.
+        `bones` (J, 7): position relative to the parent [m] and local rotation (w, x, y, z) of the `known` (J,) joints;
+        `root` (7,): pose of the skeleton's origin; in the engine's axes. `find_floor`: move the feet to the floor,
+        whatever the capture system's floor height.
         """
         lowest = bring_over(self._hips, self._rotation, bones, known, root, _OFFSETS, _PARENTS, _LIMBS, _LEGS, _SOLES)
         if find_floor and np.isfinite(lowest):

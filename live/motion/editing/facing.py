@@ -1,6 +1,6 @@
-"""Head facing: the head looks at the public while the body turns, as far as a neck lets it (T123-T125).
+"""Orientation of clips: mean facing and turning a clip to the audience (T122), and head facing (T123-T125).
 
-Orientation: which way a body faces over a clip, and the whole clip turned to the public (T122).
+Head facing keeps the head towards the audience while the body turns, within the limits of the neck.
 """
 
 from dataclasses import replace
@@ -18,13 +18,13 @@ from live.motion.skeleton import SKELETON
 Float64 = npt.NDArray[np.float64]
 
 _UPRIGHT = 0.2
-"""A forward axis whose level part is shorter than this points up or down, and says nothing about the heading."""
+"""A forward axis with a shorter horizontal part points up or down and defines no heading."""
 
 
 def heading_of(rotation: npt.NDArray[np.floating]) -> Float64:
-    """Heading [rad] of world rotations (..., 4): 0 faces the public (+z), positive towards +x, in [-π, π].
+    """Return the heading [rad] of world rotations (..., 4): 0 faces the audience (+z), positive towards +x, in [-π, π].
 
-    Of their forward axis, or, where that points up or down (lying, bent double), of what is to the right of their left.
+    It is that of the forward axis, or, if that points up or down (lying, bent double), perpendicular to the left axis.
     """
     rotation = np.asarray(rotation, np.float64)
     forward = quaternion.rotate(rotation, np.array((0.0, 0.0, 1.0)))
@@ -36,18 +36,18 @@ def heading_of(rotation: npt.NDArray[np.floating]) -> Float64:
 
 
 def circular_mean(headings: npt.ArrayLike) -> float:
-    """Direction [rad] of the sum of unit vectors towards all `headings`; 0 where they cancel (T122)."""
+    """Return the direction [rad] of the sum of unit vectors towards all `headings`; 0 if they cancel (T122)."""
     total = complex(np.exp(1j * np.asarray(headings, np.float64)).sum())
     return float(np.angle(total)) if abs(total) > 1e-9 * max(1, np.size(headings)) else 0.0
 
 
 def average_orientation(clip: Clip) -> float:
-    """The mean heading of the hips over the clip [rad]."""
+    """Return the mean heading of the hips over the clip [rad]."""
     return circular_mean(heading_of(clip.rotation[:, 0]))
 
 
 def turn_clip(clip: Clip, yaw: float) -> Clip:
-    """The whole clip turned by `yaw` [rad] about the place where the hips are at its first sample."""
+    """Return the whole clip turned by `yaw` [rad] about the hips' position at its first sample."""
     turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(yaw))
     centre = clip.root_position[0].astype(np.float64) * (1.0, 0.0, 1.0)
     rotation = clip.rotation.astype(np.float64)
@@ -60,7 +60,7 @@ def turn_clip(clip: Clip, yaw: float) -> Clip:
 
 
 def face_public(clip: Clip) -> Clip:
-    """The clip turned so that its average orientation is zero (T122): for what a random walk has put together."""
+    """Return the clip turned so that its average orientation is zero (T122), for clips built by a random walk."""
     return turn_clip(clip, -average_orientation(clip))
 
 
@@ -69,7 +69,7 @@ LIMIT: Final = np.radians(60.0)
 SIGMA: Final = 0.12
 """Width of the Gaussian [s] that smooths the added turn (T124; not printed there)."""
 NECK_SHARE: Final = 0.5
-"""Share of the added turn that the neck takes; the head ends as in T125 whatever it is."""
+"""Share of the added turn applied at the neck; the head's world rotation follows T125 in any case."""
 
 _CHEST, _NECK, _HEAD = (SKELETON.index(name) for name in ("upperChest", "neck", "head"))
 _Y: Final = np.array((0.0, 1.0, 0.0))
@@ -83,7 +83,7 @@ def face_head(
     sigma: float = SIGMA,
     neck_share: float = NECK_SHARE,
 ) -> Clip:
-    """The clip with the head turned about the vertical towards `target` [rad, 0 = the public].
+    """Return the clip with the head turned about the vertical towards `target` [rad, 0 = the audience].
 
     The turn at each sample is that of `head_turn`; the head's rotation in the world becomes R_θ R_head and its local
     one follows from its parents' (T125). ValueError for a limit outside (0, π) or a negative sigma.
@@ -99,12 +99,12 @@ def face_head(
 
 
 def head_turn(clip: Clip, *, target: float = 0.0, limit: float = LIMIT, sigma: float = SIGMA) -> Float64:
-    """The turn θ [rad] to add to the head at each sample, (T,) (T123, T124).
+    """Return the turn θ [rad] to add to the head at each sample, (T,) (T123, T124).
 
-    θ = target - atan2(v_x, v_z) for the head's forward axis v (with the quadrant that arctg loses). Samples in which
-    θ, or the head on the chest that it would lead to, is beyond `limit` are left out (spins), what is missing is
-    filled by straight lines, and a Gaussian of `sigma` [s] smooths it all. Last, no sample may turn the head beyond
-    the limit on the chest, or farther than it was.
+    θ = target - atan2(v_x, v_z) for the head's forward axis v (with the quadrant that arctg loses). Samples where θ or
+    the resulting angle between head and chest exceeds `limit` are dropped (spins), gaps are filled linearly, and a
+    Gaussian of `sigma` [s] smooths the result. Finally the angle between head and chest is clamped to the limit, or
+    to its original value if that is larger.
     """
     if not 0.0 < limit < np.pi or not sigma >= 0.0:
         raise ValueError(f"limit {limit} and sigma {sigma}: 0 to π and at least 0 expected")
@@ -120,7 +120,7 @@ def head_turn(clip: Clip, *, target: float = 0.0, limit: float = LIMIT, sigma: f
 
 
 def fill_gaps(values: Float64, kept: npt.NDArray[np.bool_]) -> Float64:
-    """Values (T,) with those that are not `kept` on straight lines between their neighbours; 0 if none is kept."""
+    """Return values (T,) with those that are not `kept` interpolated linearly; 0 if none is kept."""
     if not kept.any():
         return np.zeros_like(values)
     places = np.arange(len(values))
@@ -128,5 +128,5 @@ def fill_gaps(values: Float64, kept: npt.NDArray[np.bool_]) -> Float64:
 
 
 def wrap(angle: npt.NDArray[np.floating]) -> Float64:
-    """The same angles in [-π, π) [rad]."""
+    """Return the same angles in [-π, π) [rad]."""
     return np.asarray(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)

@@ -1,8 +1,6 @@
-"""Where the feet of a clip are: balls, ankles and the height of the soles.
+"""Foot positions of clips, leg IK to given foot placements, and floor correction.
 
-Legs that reach for given places: after an edit of whole poses the feet go where they belong.
-
-Floor correction: no sole goes below the floor; feet that would are lifted, softly in time.
+Floor correction lifts feet whose soles would go below the floor, smoothly in time.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +20,7 @@ Float = npt.NDArray[np.floating]
 
 ANKLES: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 BALLS: Final = (SKELETON.index("leftToes"), SKELETON.index("rightToes"))
-"""The toe joints: the balls of the feet, on which dancers pivot and which stay when a heel rises."""
+"""The toe joints: the balls of the feet, which are pivots and stay planted when a heel rises."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,19 +34,19 @@ class Feet:
 
     @property
     def height(self) -> Float:
-        """Height of each sole over the floor [m]: of heel and ball the lower, shape (T, 2)."""
+        """Height of each sole above the floor [m]: the lower of heel and ball, shape (T, 2)."""
         heel = self.ankle[..., 1] - SOLE_BELOW_ANKLE
         return np.asarray(np.minimum(heel, self.ball[..., 1] - TOES_OVER_SOLE))
 
 
 def find_feet(clip: Clip) -> Feet:
-    """Positions of the feet of a clip, computed in float64."""
+    """Return the foot positions of a clip, computed in float64."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return Feet(positions[:, ANKLES], positions[:, BALLS])
 
 
 _SOFTNESS: Final = 0.002
-"""Recorded legs are often quite straight: they may stay so, to a few tenths of a percent of their length."""
+"""IK softness: recorded legs are often nearly straight and may stay so, within a few tenths of a percent."""
 _FORWARD: Final = np.array((0.0, 0.0, 1.0))
 _LEGS: Final = tuple(
     tuple(SKELETON.index(side + joint) for joint in ("UpperLeg", "LowerLeg", "Foot")) for side in ("left", "right")
@@ -56,11 +54,10 @@ _LEGS: Final = tuple(
 
 
 def reach_with_feet(root: Float, rotation: Float, ankles: Float, feet: Float) -> Float:
-    """Local rotations (T, J, 4) whose ankles are at `ankles` and whose feet have the world rotations `feet` (T, 2, 4).
+    """Return local rotations (T, J, 4) with ankles at `ankles` and feet with the world rotations `feet` (T, 2, 4).
 
-    `root` (T, 3) and `rotation` (T, J, 4) are the pose to start from, which knees and thighs stay nearest to;
-    `ankles` (T, 2, 3) [m]. Everything but the legs is as given; bones keep their lengths, so what lies out of a
-    leg's reach is pointed at.
+    `root` (T, 3) and `rotation` (T, J, 4) are the initial pose, to which knees and thighs stay close; `ankles`
+    (T, 2, 3) [m]. Only the legs change. Bones keep their lengths; a leg points towards a target out of reach.
     """
     position, world = forward_kinematics(root, rotation)
     result = rotation.copy()
@@ -85,28 +82,28 @@ def _length(joint: int) -> float:
 Float64 = npt.NDArray[np.float64]
 
 SOFT: Final = 0.1
-"""Seconds before and after over which a lift comes and goes."""
+"""Seconds over which a lift fades in and out."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FloorCorrection:
-    """A corrected clip, and by how much each foot was lifted [m], left and right, shape (T, 2)."""
+    """A corrected clip, and the lift of each foot [m], left and right, shape (T, 2)."""
 
     clip: Clip
     lift: Float64
 
     @property
     def deepest(self) -> float:
-        """How far [m] the farthest sole was lifted."""
+        """Largest lift of a sole [m]."""
         return float(self.lift.max(initial=0.0))
 
 
 def correct_floor(clip: Clip, *, soft: float = SOFT) -> FloorCorrection:
-    """Lift each foot by at least as much as its sole is below y = 0, bending the leg; the rest of the body stays.
+    """Lift each foot by at least the depth of its sole below y = 0, bending the leg; the rest of the body stays.
 
-    The lift is the smallest smooth one: the depth, held over `soft` seconds to both sides and averaged over as many.
-    Places on the floor (x, z) and the directions of the feet stay, so what stood still stands still. A clip in which
-    no sole is below the floor is returned as it is.
+    The lift is a smooth upper bound: the maximum depth within `soft` seconds to both sides, averaged over as many.
+    Positions on the floor (x, z) and foot directions stay, so planted feet stay planted. A clip without soles below
+    the floor is returned unchanged.
     """
     root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
     position, world = forward_kinematics(root, rotation)
@@ -122,7 +119,7 @@ def correct_floor(clip: Clip, *, soft: float = SOFT) -> FloorCorrection:
 
 
 def cover(depth: Float64, half: int) -> Float64:
-    """A smooth curve in time, (T, n), that is nowhere below `depth` (T, n) and 0 beyond 2 · `half` samples from it."""
+    """Return a smooth upper bound (T, n) of `depth` (T, n) in time; 0 beyond 2 · `half` samples from it."""
     windows = np.lib.stride_tricks.sliding_window_view
     padded = np.pad(depth, ((2 * half, 2 * half), (0, 0)), mode="edge")
     most = windows(padded, 2 * half + 1, axis=0).max(axis=-1)

@@ -1,4 +1,4 @@
-"""Interpolation of two clips of one step: a diagonal walk from side and front, any length from short and long."""
+"""Interpolation between two clips of one step: diagonal from side and forward walk, any length from short and long."""
 
 from dataclasses import replace
 from typing import Final
@@ -16,19 +16,18 @@ from live.motion.step_clip import StepClip, check_same_structure, measured_direc
 Float = npt.NDArray[np.floating]
 
 _ALL_ROUND: Final = -0.98
-"""Below this cosine (on S³) the arc is nearly a full turn and badly defined: the shorter one is taken after all."""
+"""Below this cosine (on S³) the arc is nearly a full turn and ill-defined: the shorter arc is used."""
 
 
 def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = True) -> StepClip:
-    """The clip that is `a` at weight 0 and `b` at 1: SLERP per joint, the root linear, no alignment in time (T045).
+    """Return the clip that is `a` at weight 0 and `b` at 1: SLERP per joint, linear root, no time alignment (T045).
 
-    The arc between two rotations is the shorter one where the step begins; from there it is followed, so that it
-    never jumps to the other side when dancers turn away from each other. A foot is in contact where it is in both
-    clips. Interpolated joints alone let standing feet slide, so with `hold_feet` the legs are then bent until the
-    balls of the feet are where they are when interpolated as places: a foot that stands in both clips stands.
-    Without it the legs are plain SLERP, too.
+    The arc between two rotations is the shorter one at the start of the step and then changes continuously, so that it
+    never jumps to the other side when the two headings diverge. A foot is in contact if it is in both clips.
+    Interpolated joints alone let planted feet slide. With `hold_feet`, leg IK puts the balls of the feet at their
+    interpolated positions, so a foot that is planted in both clips stays planted. Without it the legs are plain SLERP.
 
-    Between the ends the result has the tempo and the samples of `a`, and direction and distance as they come out
+    At weights between 0 and 1 the result has the tempo and the samples of `a`; direction and distance are measured
     (T047). ValueError for clips of different steps or different structural variations (T046), or a weight outside
     [0, 1].
     """
@@ -60,14 +59,14 @@ def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = Tr
 
 
 def follow_arc(a: Float, b: Float, weight: float, begin: int) -> Float:
-    """SLERP from `a` to `b` (T, ..., 4) along arcs that change continuously in time and are the shorter at `begin`."""
+    """Return SLERP from `a` to `b` (T, ..., 4) along arcs that are continuous in time and the shorter ones at `begin`."""
     a, b = quaternion.continuous(a), quaternion.continuous(b)
     begin = min(max(begin, 0), len(a) - 1)
     b = b * np.where(np.sum(a[begin] * b[begin], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     b = np.where(cosine < _ALL_ROUND, -b, b)
     angle = np.arccos(np.clip(np.where(cosine < _ALL_ROUND, -cosine, cosine), -1.0, 1.0))
-    near = angle < 1e-4  # the chord is the arc, and the sine too small to divide by
+    near = angle < 1e-4  # linear interpolation: the sine is too small to divide by
     sine = np.where(near, 1.0, np.sin(angle))
     weight_a = np.where(near, 1.0 - weight, np.sin((1.0 - weight) * angle) / sine)
     weight_b = np.where(near, weight, np.sin(weight * angle) / sine)

@@ -1,9 +1,8 @@
-"""Time warp of one measure: a half wave of haste or delay somewhere in it, so that no two dancers move as one (T055).
+"""Time warps of one measure (T055) and of a whole sequence (T056), so that dancers differ in timing.
 
-Phases are fractions of the measure, 0 to 1, and amplitudes shares of it: the thesis' A_max = 7 and f_max = 2 for
-N = 100 frames are 0.07 and 2 here.
-
-Time warp of a whole sequence: slow swings about the beat whose size and pace wander (T056).
+A measure warp is a half sine wave ahead of or behind the beat. A sequence warp oscillates about the beat with varying
+amplitude and frequency. Phases are fractions of the measure, 0 to 1, and amplitudes shares of it: the thesis'
+A_max = 7 and f_max = 2 for N = 100 frames are 0.07 and 2 here.
 """
 
 from dataclasses import dataclass, replace
@@ -29,20 +28,20 @@ class MeasureWarps:
     """The warps of n measures or dancers, each array of shape (n,)."""
 
     amplitude: Float64
-    """A: how far the clip is ahead or behind at most [share of the measure]."""
+    """A: maximum lead or lag of the clip [share of the measure]."""
     frequency: Float64
     """f: the half wave takes 1 / (2 f) of the measure."""
     start: Float64
     """x0: fraction of the measure at which it begins."""
     sign: Float64
-    """1 to go ahead, -1 to stay behind."""
+    """1 to lead, -1 to lag."""
 
     def take(self, rows: npt.NDArray[np.integer]) -> "MeasureWarps":
-        """The rows that `rows` names."""
+        """Return the selected rows."""
         return MeasureWarps(self.amplitude[rows], self.frequency[rows], self.start[rows], self.sign[rows])
 
     def phase(self, x: npt.ArrayLike, window: float = BLEND_WINDOW) -> Float64:
-        """`measure_warp` with these parameters; `x` broadcasts against (n,)."""
+        """Return `measure_warp` with these parameters; `x` broadcasts against (n,)."""
         return measure_warp(x, self.amplitude, self.frequency, self.start, self.sign, window)
 
 
@@ -54,10 +53,10 @@ def measure_warp(
     sign: npt.ArrayLike,
     window: npt.ArrayLike = BLEND_WINDOW,
 ) -> Float64:
-    """Phase of the clip w(x) at phase `x` of the measure, all arguments broadcast (T055 as corrected).
+    """Return the phase of the clip w(x) at phase `x` of the measure; arguments broadcast (T055 as corrected).
 
     x + sign · A · sin(2πf (x - x0)) during the half wave from x0 to x0 + 1 / (2f), else x. The half wave lies before
-    the blend `window` (share of the measure, T052): where `start` or a low `frequency` would have it reach into the
+    the blend `window` (share of the measure, T052): if `start` or a low `frequency` would extend it into the
     window, it begins earlier or is shortened. Increasing while 2πf·A < 1 (`steepness`).
     """
     x = np.asarray(x, np.float64)
@@ -75,9 +74,9 @@ def measure_warp_slope(
     sign: npt.ArrayLike,
     window: npt.ArrayLike = BLEND_WINDOW,
 ) -> Float64:
-    """w'(x), the speed at which the clip is played: 1 + sign · A 2πf cos(2πf (x - x0)) in the half wave, else 1 (T054).
+    """Return w'(x), the playback speed: 1 + sign · A 2πf cos(2πf (x - x0)) in the half wave, else 1 (T054).
 
-    At the ends of the half wave the speed jumps; there the value is that inside.
+    The speed jumps at the ends of the half wave; the value there is the inner one.
     """
     x = np.asarray(x, np.float64)
     f, x0 = _half_wave(frequency, start, window)
@@ -87,7 +86,7 @@ def measure_warp_slope(
 
 
 def steepness(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> Float64:
-    """A · 2πf: how much the speed may deviate from 1; below 1 nothing is played backwards (T054).
+    """Return A · 2πf, the maximum deviation of the speed from 1; below 1 time never runs backwards (T054).
 
     A = 7 frames of 100 and f = 2 give 0.8796.
     """
@@ -102,10 +101,10 @@ def draw_measure_warps(
     f_max: float = F_MAX,
     window: float = BLEND_WINDOW,
 ) -> MeasureWarps:
-    """Random warps for `count` measures: A ~ U[0, a_max], f ~ U[0.5, f_max], x0 ~ U, the sign of y ~ U(-1, 1) (T055).
+    """Return random warps for `count` measures: A ~ U[0, a_max], f ~ U[0.5, f_max], x0 ~ U, the sign of y ~ U(-1, 1) (T055).
 
-    f begins where the half wave fits before the blend `window`, and x0 lies between 0 and the last place where it
-    does. ValueError for values with which a clip could be played backwards or the half wave would not fit.
+    The lower limit of f is raised so that the half wave fits before the blend `window`, and x0 is drawn from all
+    positions where it fits. ValueError for values with which time could run backwards or the half wave would not fit.
     """
     lowest = max(F_MIN, 0.5 / (1.0 - window)) if 0.0 <= window < 1.0 else np.inf
     if not f_max >= lowest:
@@ -122,7 +121,7 @@ def draw_measure_warps(
 
 
 def warp_step(step: StepClip, warps: MeasureWarps, *, window: float = BLEND_WINDOW) -> StepClip:
-    """The step with each of its measures warped by a row of `warps`; lead-in, blend windows and lines as they were.
+    """Return the step with each measure warped by a row of `warps`; lead-in, blend windows and measure lines unchanged.
 
     ValueError unless there is one row for each measure.
     """
@@ -137,7 +136,7 @@ def warp_step(step: StepClip, warps: MeasureWarps, *, window: float = BLEND_WIND
 
 
 def warp_clip(clip: Clip, samples: npt.NDArray[np.floating]) -> Clip:
-    """The clip whose sample n is what `clip` is at the fractional sample `samples[n]`, (T,); ends are held."""
+    """Return the clip resampled so that sample n is `clip` at the fractional sample `samples[n]`, (T,); ends are held."""
     root, rotation, contact = read_clip(clip, samples)
     return replace(
         clip,
@@ -148,7 +147,7 @@ def warp_clip(clip: Clip, samples: npt.NDArray[np.floating]) -> Clip:
 
 
 def _half_wave(frequency: npt.ArrayLike, start: npt.ArrayLike, window: npt.ArrayLike) -> tuple[Float64, Float64]:
-    """f and x0 such that the half wave ends before the window."""
+    """Return f and x0 such that the half wave ends before the window."""
     room = 1.0 - np.asarray(window, np.float64)
     f = np.maximum(np.asarray(frequency, np.float64), 0.5 / room)
     return f, np.clip(np.asarray(start, np.float64), 0.0, np.maximum(room - 0.5 / f, 0.0))
@@ -157,7 +156,7 @@ def _half_wave(frequency: npt.ArrayLike, start: npt.ArrayLike, window: npt.Array
 SPACING: Final = 2.0
 """Measures between the sparse points."""
 STEEPEST: Final = 0.95
-"""What the condition of T056 may come to; at 1 time would stand still."""
+"""Upper limit for the condition of T056; at 1 time would stand still."""
 _CHECKED: Final = 64
 """Points in each measure at which the condition is checked."""
 
@@ -167,8 +166,8 @@ class SequenceWarp:
     """w(x) = x + A(x) sin(φ(x)), φ' = 2πf(x), with x in measures from the beginning of the sequence.
 
     A and f are cubic splines through `amplitudes` [measures] and `frequencies` [waves a measure] at `knots`
-    [measures], each of shape (K,), K >= 2. The phase is accumulated: with f(x)·x, as printed, its pace would grow
-    with x. ValueError if time could run back anywhere between the knots.
+    [measures], each of shape (K,), K >= 2. The phase is an integral: with f(x)·x, as printed, its rate would grow
+    with x. ValueError if time could run backwards between the knots.
     """
 
     knots: Float64
@@ -180,7 +179,7 @@ class SequenceWarp:
             raise ValueError(f"max(|A'| + A φ') is {self.slowest():.3f}: below 1 expected, or time would run back")
 
     def phase(self, x: npt.ArrayLike) -> Float64:
-        """w(x) [measures]; before the first and after the last knot x itself."""
+        """Return w(x) [measures]; x itself before the first and after the last knot."""
         x = np.asarray(x, np.float64)
         a, f = self._splines()
         turned = 2.0 * np.pi * f.antiderivative()(x)
@@ -188,7 +187,7 @@ class SequenceWarp:
         return np.asarray(np.where(inside, x + a(x) * np.sin(turned), x))
 
     def slowest(self) -> float:
-        """max(|A'| + |A| φ'), checked numerically: time never goes slower than 1 less this (T056 as corrected)."""
+        """Return max(|A'| + |A| φ'), computed numerically: the speed is at least 1 minus this (T056 as corrected)."""
         return _slowest(self.knots, self.amplitudes, self.frequencies)
 
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
@@ -203,10 +202,10 @@ def draw_sequence_warp(
     a_max: float = A_MAX,
     f_max: float = F_MAX,
 ) -> SequenceWarp:
-    """A random warp of a sequence of `measures`: A ~ U[0, a_max] and f ~ U[0.5, f_max] every `spacing` measures (T056).
+    """Return a random warp of a sequence of `measures`: A ~ U[0, a_max] and f ~ U[0.5, f_max] every `spacing` measures (T056).
 
-    All frequencies are then scaled by a little so that a whole number of half waves fills the sequence, which ends
-    where it would; and all amplitudes, if need be, so that time never runs back. ValueError for an empty sequence or
+    Frequencies are then scaled slightly so that a whole number of half waves fills the sequence and its end does not
+    move; amplitudes are scaled, if necessary, so that time never runs backwards. ValueError for an empty sequence or
     values below 0.
     """
     if not (measures > 0.0 and spacing > 0.0 and a_max >= 0.0 and f_max >= F_MIN):
@@ -221,7 +220,7 @@ def draw_sequence_warp(
 
 
 def warp_sequence(step: StepClip, warp: SequenceWarp) -> StepClip:
-    """The step with its measures, from the first downbeat on, warped as a sequence; lead-in and tail as they were."""
+    """Return the step with its measures, from the first downbeat on, warped as a sequence; lead-in and tail unchanged."""
     place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
     return replace(step, clip=warp_clip(step.clip, step.first + warp.phase(place) * step.samples_per_measure))
 

@@ -1,12 +1,9 @@
-"""Rotation insertion: a step is turned while one foot carries, and that foot holds its place (T048-T050).
+"""Rotation insertion: turns a step about the supporting foot during single support (T048-T050).
 
-Single support: the stretches of a measure in which one foot alone carries the dancer (T048).
-
-SupportTurns: rotation insertion (T048-T050) in closed form, at any fraction of a measure and for any angle.
-
-On the stage plane a point is the complex number z + i x, so that turning by `yaw` is multiplying by exp(i yaw). While
-a foot carries, the turn is about its ball; what was turned before has moved that ball along, so the motion that turns
-a clip's point p into exp(i angle share) p + D is a sum over the supports, each with an integral that has a closed form.
+`insert_rotation` edits a clip sample by sample. `SupportTurns` is the same in closed form, for any fraction of a
+measure and any angle. A point of the stage plane is the complex number z + i x, so turning by `yaw` is multiplying by
+exp(i yaw). During a support the turn is about the ball of its foot, which earlier turns have moved. The motion that maps
+a clip's point p to exp(i angle share) p + D is therefore a sum over the supports of integrals in closed form.
 """
 
 from collections.abc import Sequence
@@ -26,24 +23,24 @@ Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
 LIFTED: Final = 0.20
-"""One foot carries where the feet's heights differ by more than this share of the largest difference (T048)."""
+"""Single support is where the feet's heights differ by more than this share of the largest difference (T048)."""
 SHORTEST: Final = 0.1
-"""Stretches shorter than this [s] are errors (T048). The thesis says 10 frames without a rate; its OptiTrack cameras
-and its N = 100 frames for a measure fit 100 frames a second."""
+"""Supports shorter than this [s] are errors (T048). The thesis states 10 frames without a rate; its OptiTrack cameras
+and its N = 100 frames per measure fit 100 frames per second."""
 LEAST_LIFT: Final = 0.01
-"""Where the feet's heights never differ by more than this [m], no foot is ever lifted (a share of nothing is noise)."""
+"""If the feet's heights never differ by more than this [m], no foot is lifted and the relative threshold is noise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """The samples `start` to `stop` (exclusive), in which `foot` alone carries."""
+    """Single support: the samples `start` to `stop` (exclusive), in which only `foot` carries weight."""
 
     start: int
     stop: int
     foot: int
-    """0 the left, 1 the right: the lower one (T049)."""
+    """0 left, 1 right: the lower foot (T049)."""
     point: tuple[float, float]
-    """Where the ball of that foot stands on the floor (x, z) [m]: its mean over the stretch."""
+    """Mean position of the foot's ball on the floor (x, z) [m]."""
 
     @property
     def samples(self) -> int:
@@ -52,7 +49,7 @@ class Support:
 
 
 def height_difference(feet: Feet) -> Float:
-    """d(t) = |height_R - height_L| [m] of the soles, shape (T,) (T048: of the heights, not of the feet themselves)."""
+    """Return d(t) = |height_R - height_L| [m] of the soles, shape (T,) (T048: of heights, not of positions)."""
     height = feet.height
     return np.asarray(np.abs(height[:, 1] - height[:, 0]))
 
@@ -60,13 +57,13 @@ def height_difference(feet: Feet) -> Float:
 def find_supports(
     feet: Feet, sample_rate: float, start: int, stop: int, *, last: int | None = None, contact: Bool | None = None
 ) -> list[Support]:
-    """The single supports among the samples `start` to `stop` (exclusive), in order (T048).
+    """Return the single supports among the samples `start` to `stop` (exclusive), in order (T048).
 
-    The bar is 20 % of the largest d(t) in that range, which is one measure: "we are editing the motions at each
-    measure". Samples from `last` on (the blend window, T050) count for the bar but are not selected. A stretch in
-    which the feet change over (one lands before the other's lift is seen) is cut where the lower foot changes.
-    Where `contact` (T, 2), the clip's own annotation, has both feet on the floor, neither carries alone: a low foot
-    that drags differs in height from the other and would be swept along.
+    The threshold is 20 % of the largest d(t) in that range, which is one measure: "we are editing the motions at each
+    measure". Samples from `last` on (the blend window, T050) count for the threshold but are not selected. A support in
+    which the lower foot changes (one foot lands before the other is seen to lift) is split there. Samples where
+    `contact` (T, 2), the clip's annotation, has both feet on the floor are no single support: a dragging foot differs
+    in height from the other and would be moved by the turn.
     """
     difference = height_difference(feet)[start:stop]
     if difference.size == 0 or difference.max() < LEAST_LIFT:
@@ -94,15 +91,15 @@ Float64 = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 MAX_SEGMENTS: Final = 8
-"""Segments kept for each measure; of more supports the longest are."""
+"""Maximum segments per measure; the longest supports are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportTurns:
-    """Where in a measure a dancer may turn and about which point; every array has shape (..., 8).
+    """Segments of a measure in which a dancer may turn, with pivots; every array has shape (..., 8).
 
-    Leading axes are measures or dancers. Unused segments come last and have start = stop = 1 and weight 0; a measure
-    in which nothing may turn does not exist (see `support_turns`), so the weights of each measure sum to 1.
+    Leading axes are measures or dancers. Unused segments come last and have start = stop = 1 and weight 0. Every
+    measure has at least one segment (see `support_turns`), so its weights sum to 1.
     """
 
     start: Float64
@@ -110,33 +107,32 @@ class SupportTurns:
     stop: Float64
     """Fraction at which it ends; segments are in order and do not overlap."""
     weight: Float64
-    """Share of the whole angle that is turned in the segment."""
+    """Share of the total angle turned in the segment."""
     point: Float64
-    """Where the ball of the carrying foot stands when the segment begins, x and z [m] in the clip's own axes;
-    shape (..., 8, 2)."""
+    """Position of the supporting foot's ball at the start of the segment, x and z [m] in clip axes; shape (..., 8, 2)."""
     point_stop: Float64
-    """Where it stands when the segment ends, likewise: recorded feet creep, and roll from heel to toe."""
+    """The same at the end of the segment: recorded feet creep, and roll from heel to toe."""
     softness: Float64
-    """Share of the segment over which the turn speeds up, and again slows down: 0 (uniform, T049) to 0.5."""
+    """Share of the segment for acceleration, and again for deceleration: 0 (uniform, T049) to 0.5."""
 
     def take(self, rows: npt.NDArray[np.integer]) -> "SupportTurns":
-        """The rows of the first axis that `rows` (A,) names: from the nodes of a library to the dancers."""
+        """Return the rows `rows` (A,) of the first axis: from the nodes of a library to the dancers."""
         return SupportTurns(*(getattr(self, name)[rows] for name in self.__slots__))
 
     def rows(self) -> Float64:
-        """One row for each segment, (..., 8, 8): start, stop, weight, x, z at its start and at its stop, softness."""
+        """Return one row per segment, (..., 8, 8): start, stop, weight, x, z at its start and at its stop, softness."""
         single = (self.start, self.stop, self.weight, self.softness)
         start, stop, weight, softness = (array[..., None] for array in single)
         return np.concatenate((start, stop, weight, self.point, self.point_stop, softness), axis=-1)
 
     @property
     def quickest(self) -> Float64:
-        """How fast it turns at most, in whole angles a measure, (...): a turn in one short support is a snap."""
+        """Maximum turning speed in total angles per measure, (...); high for a turn within one short support."""
         span = np.maximum(self.stop - self.start, 1e-12)
         return np.asarray(np.max(self.weight / span / (1.0 - self.softness), axis=-1))
 
     def share(self, fraction: npt.ArrayLike) -> Float64:
-        """Share of the angle that is turned when `fraction` (...) of the measure has passed: 0 to 1, never falling."""
+        """Return the share of the angle turned after `fraction` (...) of the measure: 0 to 1, never decreasing."""
         return np.asarray(np.sum(self.weight * self._progress(fraction), axis=-1))
 
     def displacement(self, fraction: npt.ArrayLike, angle: npt.ArrayLike) -> Float64:
@@ -149,7 +145,7 @@ class SupportTurns:
         """
         progress = self._progress(fraction)
         whole = np.asarray(angle, np.float64)[..., None] * self.weight
-        before = np.cumsum(whole * progress, axis=-1) - whole * progress  # turned in earlier segments; all of it
+        before = np.cumsum(whole * progress, axis=-1) - whole * progress  # turned in earlier segments
         turn = whole * progress
         start = self.point[..., 1] + 1j * self.point[..., 0]
         way = self.point_stop[..., 1] + 1j * self.point_stop[..., 0] - start
@@ -159,16 +155,16 @@ class SupportTurns:
         return np.stack((total.imag, total.real), axis=-1)
 
     def _progress(self, fraction: npt.ArrayLike) -> Float64:
-        """How far the turn of each segment is, 0 to 1, shape (..., 8)."""
+        """Return the progress of each segment's turn, 0 to 1, shape (..., 8)."""
         span = np.maximum(self.stop - self.start, 1e-12)
         passed = np.clip((np.asarray(fraction, np.float64)[..., None] - self.start) / span, 0.0, 1.0)
         return soft_progress(passed, self.softness)
 
 
 def soft_progress(passed: npt.ArrayLike, softness: npt.ArrayLike) -> Float64:
-    """From 0 to 1 as `passed` goes from 0 to 1: linear for softness 0, else with the speed rising and falling linearly.
+    """Return an ease from 0 to 1 as `passed` goes from 0 to 1: linear for softness 0, else with linear speed ramps.
 
-    `softness` is the share of the way that each of the two takes, at most 0.5.
+    `softness` is the share of time of each of the two ramps, at most 0.5.
     """
     passed, softness = np.broadcast_arrays(np.asarray(passed, np.float64), np.asarray(softness, np.float64))
     safe = np.maximum(softness, 1e-9)
@@ -180,20 +176,20 @@ def soft_progress(passed: npt.ArrayLike, softness: npt.ArrayLike) -> Float64:
 
 
 def stack_turns(turns: Sequence[SupportTurns]) -> SupportTurns:
-    """N measures in one, arrays of shape (N, 8): what a library holds, one row for each node."""
+    """Stack N measures into arrays of shape (N, 8), one row per node of a library."""
     return SupportTurns(*(np.stack([getattr(one, name) for one in turns]) for name in SupportTurns.__slots__))
 
 
 BLEND_WINDOW: Final = 0.2
-"""Share of a measure before its end that takes no rotation, because the blend into the next one lies there (T050):
-the thesis' 20 frames (T036) of 100 for a measure."""
+"""Share of a measure before its end without rotation, because the blend into the next one is there (T050):
+the thesis' 20 frames (T036) of 100 per measure."""
 _STILL: Final = 0.02
-"""Speed [m/s] that is added to the feet's, so that the angle is spread evenly where no foot moves at all."""
+"""Speed [m/s] added to that of the feet, so that the angle is spread evenly if no foot moves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Stretch:
-    """The samples `start` to `stop` (exclusive), over which `weight` of the angle is turned about `pivot` (n, 2)."""
+    """The samples `start` to `stop` (exclusive), in which `weight` of the angle is turned about `pivot` (n, 2)."""
 
     start: int
     stop: int
@@ -209,13 +205,13 @@ def insert_rotation(
     window: float = BLEND_WINDOW,
     softness: float = 0.0,
 ) -> StepClip:
-    """The step turned by `angle` [rad, positive towards +x] in the course of one measure (from 0) or of all of them.
+    """Return the step turned by `angle` [rad, positive towards +x] during one measure (from 0) or all of them.
 
-    Each of the N samples in which one foot alone carries turns the whole rest of the sequence by angle / N about the
-    ball of that foot, so that the foot stays (T049); the last `window` (share of a measure) of each measure takes no
-    rotation (T050). `softness` above 0 (to 0.5) lets the turn of each support speed up and slow down over that share
-    of it. Where no foot ever carries alone, the angle is spread over the measure as fast as the feet move, about
-    their middle. ValueError for a measure that the step does not have, a window outside [0, 0.9] or a softness
+    Each of the N single-support samples turns the rest of the sequence by angle / N about the ball of the supporting
+    foot, so that the foot stays (T049). The last `window` (share of a measure) of each measure has no rotation (T050).
+    `softness` above 0 (to 0.5) accelerates and decelerates the turn of each support over that share of it. Without
+    single support the angle is spread over the measure in proportion to the speed of the feet, about the midpoint
+    between them. ValueError for a measure that the step does not have, a window outside [0, 0.9] or a softness
     outside [0, 0.5].
     """
     _check(step, measure, window, softness)
@@ -231,10 +227,10 @@ def insert_rotation(
 
 
 def turn_about(clip: Clip, increment: Float, pivot: Float) -> Clip:
-    """Turn everything from each sample on by `increment` (T,) [rad] about `pivot` (T, 2), as it lies by then (T049).
+    """Turn everything from each sample on by `increment` (T,) [rad] about `pivot` (T, 2) (T049).
 
-    `pivot` holds x and z [m] in the given clip; what earlier samples have turned carries it along. The loop
-    "rotate, then translate so that the pivot stays, then go on with the rest" is a running sum of complex numbers.
+    `pivot` holds x and z [m] in the given clip; earlier turns move it. The loop "rotate, then translate so that the
+    pivot stays, then continue with the rest" is a cumulative sum of complex numbers.
     """
     yaw = np.cumsum(increment)
     turned = np.exp(1j * yaw)
@@ -254,12 +250,12 @@ def turn_about(clip: Clip, increment: Float, pivot: Float) -> Clip:
 def support_turns(
     step: StepClip, measure: int, *, window: float = BLEND_WINDOW, softness: float = 0.0, feet: Feet | None = None
 ) -> SupportTurns:
-    """Where and about which points one measure (from 0) of a step can be turned by any angle; arrays of shape (8,).
+    """Return the segments and pivots for turning one measure (from 0) of a step by any angle; arrays of shape (8,).
 
-    The same as `insert_rotation` does sample by sample, as a function of the fraction of the measure; the ball of a
-    carrying foot goes straight from where it stands first to where it stands last. Measures without single support
-    get eight stretches outside the blend window, weighted by how fast the feet move, about the middle between the
-    feet (softness 0). `feet` are those of the clip, where the caller has them. ValueError as for `insert_rotation`.
+    Equivalent to `insert_rotation`, but as a function of the fraction of the measure; the ball of a supporting foot
+    moves straight from its first to its last position. Measures without single support get eight segments outside the
+    blend window, weighted by the speed of the feet, about the midpoint between the feet (softness 0). `feet` are those
+    of the clip, if already computed. ValueError as for `insert_rotation`.
     """
     _check(step, measure, window, softness)
     feet = find_feet(step.clip) if feet is None else feet
@@ -270,7 +266,7 @@ def support_turns(
     columns[:2] = 1.0
     begin = step.first + measure * step.samples_per_measure
     for n, stretch in enumerate(stretches):
-        # a sample's turn happens between the sample before it and itself
+        # a sample's turn happens between the previous sample and this one
         ends = (np.array((stretch.start, stretch.stop)) - 0.5 - begin) / step.samples_per_measure
         first, last = _line_through(stretch.pivot)
         columns[:, n] = (
@@ -291,7 +287,7 @@ def support_turns(
 
 
 def _line_through(points: Float) -> tuple[Float, Float]:
-    """Ends of the straight way that fits `points` (n, 2) best, in the least squares sense."""
+    """Return the ends of the least-squares line through `points` (n, 2)."""
     if len(points) < 3:
         return points[0], points[-1]
     along = np.linspace(-1.0, 1.0, len(points))
@@ -310,7 +306,7 @@ def _check(step: StepClip, measure: int | None, window: float, softness: float) 
 
 
 def _range(step: StepClip, measure: int, window: float) -> tuple[int, int, int]:
-    """First sample of a measure, the first one of its blend window, and the first one after it."""
+    """Return the first sample of a measure, of its blend window, and after the measure."""
     begin = step.first + measure * step.samples_per_measure
     ends = (begin, begin + (1.0 - window) * step.samples_per_measure, begin + step.samples_per_measure)
     first, last, stop = (int(np.ceil(end - 1e-9)) for end in ends)
@@ -325,7 +321,7 @@ def _supports(step: StepClip, feet: Feet, measure: int, window: float) -> list[t
 
 
 def _stretches(step: StepClip, feet: Feet, measure: int | None, window: float) -> list[_Stretch]:
-    """Stretches of one measure or of all; weights sum to 1 and are the shares of the N samples (T049)."""
+    """Return the segments of one measure or of all; weights sum to 1 and are the shares of the N samples (T049)."""
     measures = range(step.measures) if measure is None else (measure,)
     supports = [(n, support) for n in measures for support in _supports(step, feet, n, window)]
     return _stretches_of(step, feet, measures, window, supports)
@@ -348,7 +344,7 @@ def _stretches_of(
 
 
 def _by_speed(step: StepClip, feet: Feet, measure: int, window: float, weight: float) -> list[_Stretch]:
-    """Eight stretches of a measure in which no foot carries alone, weighted by the mean speed of the feet."""
+    """Return eight segments of a measure without single support, weighted by the mean speed of the feet."""
     first, last, _ = _range(step, measure, window)
     places = np.linspace(first, last, MAX_SEGMENTS + 1).round().astype(int)
     seconds = 1.0 / step.clip.sample_rate

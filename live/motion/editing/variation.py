@@ -1,7 +1,4 @@
-"""Amplitude variation: gestures of the upper body made a little smaller or larger (T058-T060).
-
-Combination: the legs of one clip under the arms of another clip of the same step (T044).
-"""
+"""Amplitude variation of the upper body (T058-T060), and combination of lower and upper body from two clips (T044)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,14 +22,14 @@ LOWER: Final = tuple(
 )
 """Joints of the lower body: hips and legs."""
 UPPER: Final = tuple(joint for joint in range(SKELETON.joint_count) if joint not in LOWER)
-"""Joints of the upper body: the spine and all above."""
+"""Joints of the upper body: the spine and all joints above."""
 
 
 def combine(lower: StepClip, upper: StepClip) -> StepClip:
-    """The step of `lower`, with the rotations of all joints from the spine upwards taken from `upper` (T044).
+    """Return the step `lower` with the rotations of all joints from the spine upwards taken from `upper` (T044).
 
-    Aligned by the measure, because both are the same step; structure, way and contacts are those of `lower`, whose
-    samples it has. ValueError for clips of different steps.
+    Both are the same step, so they are aligned by the measure. Structure, path, contacts and samples are those of
+    `lower`. ValueError for clips of different steps.
     """
     check_same_step(lower, upper)
     rotation = lower.clip.rotation.copy()
@@ -55,9 +52,9 @@ SPACING: Final = 1.0
 
 
 def draw_factors(rng: np.random.Generator, count: int, *, r_max: float = R_MAX) -> Float64:
-    """Factors (count,), each 1 - r_max, 1 or 1 + r_max with equal chance: one for each measure (T060 as corrected).
+    """Return factors (count,), each 1 - r_max, 1 or 1 + r_max with equal chance: one for each measure (T060 as corrected).
 
-    Only the three, because what lies between is hardly seen. ValueError unless 0 <= r_max < 1.
+    Only these three, because values between are hardly visible. ValueError unless 0 <= r_max < 1.
     """
     if not 0.0 <= r_max < 1.0:
         raise ValueError(f"r_max {r_max}: 0 to 1 expected")
@@ -67,7 +64,7 @@ def draw_factors(rng: np.random.Generator, count: int, *, r_max: float = R_MAX) 
 def draw_sequence_factors(
     rng: np.random.Generator, measures: float, *, spacing: float = SPACING, r_max: float = R_MAX
 ) -> tuple[Float64, Float64]:
-    """Places [measures] and factors (K,) each: sparse points from 0 to beyond the end, factors two by two (T059)."""
+    """Return positions [measures] and factors, (K,) each: sparse points from 0 to beyond the end, factors in pairs (T059)."""
     if not (measures >= 0.0 and spacing > 0.0):
         raise ValueError(f"measures {measures}, spacing {spacing}: too small")
     pairs = int(np.ceil((measures / spacing + 1.0) / 2.0)) + 1
@@ -75,16 +72,16 @@ def draw_sequence_factors(
 
 
 def factor_at(places: Float64, factors: Float64, x: npt.ArrayLike) -> Float64:
-    """r(x): PCHIP through the points, which are held beyond the ends; it never leaves their range (T059)."""
+    """Return r(x): PCHIP through the points, constant beyond the ends; it never leaves their range (T059)."""
     held = np.clip(np.asarray(x, np.float64), places[0], places[-1])
     return np.asarray(PchipInterpolator(places, factors)(held))
 
 
 def scale_clip(clip: Clip, factor: npt.ArrayLike, segment: slice = slice(None)) -> Clip:
-    """The clip with q' = q_mean (q_mean⁻¹ q)^r in all joints from the spine upwards (T058).
+    """Return the clip with q' = q_mean (q_mean⁻¹ q)^r in all joints from the spine upwards (T058).
 
-    `factor` is r, one or one for each sample (T,); q_mean is each joint's mean over `segment`. Hips, legs, root and
-    contacts stay: scaled legs would slide, sink or fly (T051).
+    `factor` is r, a single value or one per sample (T,); q_mean is each joint's mean over `segment`. Hips, legs, root
+    and contacts stay: scaled legs would slide, sink or float (T051).
     """
     upper = clip.rotation[:, UPPER].astype(np.float64)
     mean = mean_rotation(upper[segment])
@@ -95,10 +92,10 @@ def scale_clip(clip: Clip, factor: npt.ArrayLike, segment: slice = slice(None)) 
 
 
 def scale_step(step: StepClip, factors: float | Sequence[float] | Float64, *, window: float = BLEND_WINDOW) -> StepClip:
-    """The step with one factor for all, or one for each of its measures (T060); the mean is that of its measures.
+    """Return the step scaled by one factor, or one per measure (T060); the mean is taken over its measures.
 
-    Between two measures of different factors r eases over during the blend `window` (share of a measure) before the
-    line, as the blend between two clips of a graph would do. ValueError unless there is one factor for each measure.
+    Between two measures of different factors r changes with easing during the blend `window` (share of a measure)
+    before the measure line, like the blend between two clips of a graph. ValueError unless there is one factor for each measure.
     """
     values = np.atleast_1d(np.asarray(factors, np.float64))
     if values.size == 1:
@@ -115,11 +112,11 @@ def scale_step(step: StepClip, factors: float | Sequence[float] | Float64, *, wi
 
 
 def scale_sequence(step: StepClip, places: Float64, factors: Float64) -> StepClip:
-    """The step with the factor r(x) of `factor_at`, x in measures from its first downbeat (T059)."""
+    """Return the step scaled by r(x) of `factor_at`, x in measures from its first downbeat (T059)."""
     place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
     return replace(step, clip=scale_clip(step.clip, factor_at(places, factors, place), _measures(step)))
 
 
 def _measures(step: StepClip) -> slice:
-    """The samples of the step's measures, without lead-in and tail."""
+    """Return the samples of the step's measures, without lead-in and tail."""
     return slice(round(step.first), round(step.first + step.measures * step.samples_per_measure))

@@ -1,4 +1,4 @@
-"""Acclaim motion (.amc): for every frame a line per bone with its angles, as the CMU library writes it."""
+"""Reader for Acclaim motion files (.amc) as the CMU library writes them: per frame, one line of angles per bone."""
 
 import math
 from array import array
@@ -14,14 +14,14 @@ from live.motion.formats.source_motion import FileWarning, SourceMotion
 from live.motion.quaternion import euler_to_quaternion
 
 USUAL_RATE: Final = 120.0
-"""Frames per second of the CMU library: AMC files hardly ever say theirs."""
+"""Frames per second of the CMU library. AMC files rarely state their own."""
 RATE_RANGE: Final = (0.1, 10_000.0)
 
 
 def parse_amc(data: bytes, file: str, skeleton: AcclaimSkeleton) -> SourceMotion:
-    """Read an AMC file from its bytes, for the skeleton of its ASF file; `file` is its name for messages.
+    """Parse an AMC file for the skeleton of its ASF file; `file` is its name for messages.
 
-    Raises MotionFileError with the line and what was expected. Every frame must hold every bone that can move, once.
+    Raises MotionFileError with the line and the expected content. Each frame must hold each movable bone once.
     """
     reader = _AmcReader(file, skeleton)
     values = reader.read(data)
@@ -31,7 +31,7 @@ def parse_amc(data: bytes, file: str, skeleton: AcclaimSkeleton) -> SourceMotion
         read_only.setflags(write=False)
     warnings = [*reader.warnings]
     if reader.rate is None:
-        rate = f"the file does not say how many frames a second has; {USUAL_RATE:g} is the CMU's rate"
+        rate = f"the file does not state its frame rate; {USUAL_RATE:g}, the CMU's rate, is used"
         warnings.append(FileWarning(rate))
     return SourceMotion(
         file=file,
@@ -66,7 +66,7 @@ class _AmcReader:
         self.warnings: list[FileWarning] = []
 
     def read(self, data: bytes) -> Float64:
-        """The numbers of every frame in the skeleton's order, shape (T, C)."""
+        """Return the numbers of every frame in the skeleton's order, shape (T, C)."""
         if not self._wanted:
             raise MotionFileError(self._file, None, "no bone of the skeleton has 'dof'", "bones that can move expected")
         for line, words in words_of_lines(data, self._file):
@@ -103,7 +103,7 @@ class _AmcReader:
             if number <= self._frame:
                 raise self._error(f"frame {number} after frame {self._frame}", f"{self._frame + 1} expected")
             if number > self._frame + 1 and len(self.warnings) < 100:
-                words = f"frame {number} comes after {self._frame}: what lies between is missing"
+                words = f"frame {number} comes after {self._frame}: the frames between are missing"
                 self.warnings.append(FileWarning(words, line=self._line))
         self._frame = number
 
@@ -150,9 +150,9 @@ class _AmcReader:
 
 
 def _pose(values: Float64, skeleton: AcclaimSkeleton, turn: float) -> tuple[Float64, Float64]:
-    """Translations (T, J, 3) and rotations C M C⁻¹ (T, J, 4) of every joint relative to its parent.
+    """Return translations (T, J, 3) and rotations C M C⁻¹ (T, J, 4) of every joint relative to its parent.
 
-    The angles of M are applied in the order of `dof`, the first one first, about the bone's own axes C.
+    The angles of M are applied in the order of `dof`, first to last, about the bone's own axes C.
     """
     frames, joints = len(values), len(skeleton.names)
     translation, rotation = np.empty((frames, joints, 3)), np.empty((frames, joints, 4))

@@ -1,7 +1,4 @@
-"""Acclaim skeletons (.asf): :units, :root, :bonedata and :hierarchy, as the CMU library writes them.
-
-AcclaimSkeleton: the bones of an ASF file as joints, each with the axes in which its motion is written.
-"""
+"""Reader for Acclaim skeleton files (.asf): :units, :root, :bonedata and :hierarchy, as the CMU library writes them."""
 
 import math
 from dataclasses import dataclass
@@ -21,31 +18,31 @@ METRES_PER_INCH: Final = 0.0254
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AcclaimSkeleton:
-    """J joints: the root and one where each bone begins; a parent comes before its children. Lengths in file units.
+    """The bones of an ASF file as J joints: the root and the start of each bone, parents first. Lengths in file units.
 
-    In the rest pose the joints' axes are the world's, so `offsets` are those of a BVH file. A bone's motion is written
-    in its own axes, turned by `axes` C: its rotation relative to its parent is C M C⁻¹ (CMU: L = C⁻¹ M C B in rows).
+    In the rest pose the joint axes are the world axes, so `offsets` are those of a BVH file. A bone's motion is written
+    in its own axes, rotated by `axes` C: its rotation relative to its parent is C M C⁻¹ (CMU: L = C⁻¹ M C B in rows).
     """
 
     names: tuple[str, ...]
     parents: Int32
     """Parent of each joint, -1 for the root, shape (J,)."""
     offsets: Float64
-    """Where each joint lies from its parent (the parent's bone); the root's is its `position`, shape (J, 3)."""
+    """Offset of each joint from its parent (the parent's bone); of the root its `position`, shape (J, 3)."""
     end_parents: Int32
-    """Joints whose bones carry no other, shape (E,)."""
+    """Joints whose bones have no children, shape (E,)."""
     end_offsets: Float64
-    """Those bones, shape (E, 3)."""
+    """Vectors of those bones, shape (E, 3)."""
     axes: Float64
     """C of each joint, unit quaternions, shape (J, 4)."""
     channels: tuple[str, ...]
-    """Per joint a letter for each number of its AMC line: x y z = moved along, X Y Z = turned about that axis."""
+    """Per joint one letter for each number of its AMC line: x y z = translation, X Y Z = rotation about that axis."""
     length: float
-    """`length` of :units; CMU's 0.45 means 0.45 units to the inch."""
+    """`length` of :units; CMU's 0.45 is 0.45 units per inch."""
 
     @property
     def unit_m(self) -> float:
-        """Metres per unit by the CMU's reading of `length`: inches, divided by it."""
+        """Metres per unit, with `length` as the CMU uses it: units per inch."""
         return METRES_PER_INCH / self.length
 
 
@@ -58,7 +55,7 @@ _CHANNELS: Final = {**{f"t{a}": a for a in "xyz"}, **{f"r{a}": a.upper() for a i
 
 @dataclass(slots=True)
 class _Bone:
-    """A bone between its `begin` and `end`; the root is one without length."""
+    """A bone between its `begin` and `end`; the root has length 0."""
 
     name: str
     line: int
@@ -70,10 +67,10 @@ class _Bone:
 
 
 def parse_asf(data: bytes, file: str) -> AcclaimSkeleton:
-    """Read an ASF file from its bytes; `file` is its name for messages.
+    """Parse an ASF file; `file` is its name for messages.
 
-    Raises MotionFileError with the line and what was expected. Sections and bone entries that say nothing about the
-    motion (:documentation, :skin, limits, masses) are passed over.
+    Raises MotionFileError with the line and the expected content. Sections and bone entries without effect on the
+    motion (:documentation, :skin, limits, masses) are ignored.
     """
     if len(data) > MAX_BYTES:
         raise MotionFileError(file, None, f"more than {MAX_BYTES} bytes", "the skeleton of one performer expected")
@@ -186,12 +183,12 @@ class _AsfReader:
         for name in words[1:]:
             child = self._known(name)
             if child == "root" or child in self._hung:
-                raise self._error(f"{shown(name)} hangs in two places", "one parent of each bone expected")
+                raise self._error(f"{shown(name)} has two parents", "one parent for each bone expected")
             self._hung.add(child)
             self._children.setdefault(parent, []).append(child)
 
     def _build(self) -> AcclaimSkeleton:
-        """Joints from the root down; what does not hang on it is an error."""
+        """Build the joints from the root down; a bone that is not connected to the root is an error."""
         bones: list[_Bone] = []
         parents: list[int] = []
         ends: list[int] = []
@@ -207,7 +204,7 @@ class _AsfReader:
         if len(bones) <= len(self._bones):
             reached = {bone.name for bone in bones}
             loose = next(name for name in self._bones if name not in reached)
-            raise self._error(f"{shown(loose)} does not hang on the root", "one tree of all bones expected")
+            raise self._error(f"{shown(loose)} is not connected to the root", "one tree of all bones expected")
         vectors = np.array([np.multiply(bone.direction, bone.length) for bone in bones])
         parent_indices = np.array(parents, np.int32)
         offsets = vectors[np.maximum(parent_indices, 0)]
@@ -224,7 +221,7 @@ class _AsfReader:
         )
 
     def _axes(self, bone: _Bone) -> list[float]:
-        """C of a bone: turned about the world's axes in the order that its `axis` names, the first one first."""
+        """Return C of a bone: rotations about the world axes in the order of its `axis` entry, first to last."""
         by_letter = dict(zip("xyz", bone.axis, strict=True))
         order = bone.axis_order[::-1]
         angles = np.array([by_letter[letter] * self._turn for letter in order])

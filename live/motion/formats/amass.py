@@ -1,8 +1,8 @@
-"""AMASS archives (.npz): joint rotations of the SMPL family of body models over time, brought into a skeleton.
+"""Reader for AMASS archives (.npz): joint rotations of the SMPL family of body models, on a fixed skeleton.
 
-The body models themselves are licensed and not needed: a dance is in the rotations. The skeleton here is our own, of
-an adult 1.70 m tall, from segment lengths in parts of the stature (Drillis and Contini 1966, as printed in Winter,
-Biomechanics and Motor Control of Human Movement); `betas`, which would shape it, are passed over.
+The body models are licensed and not needed: the rotations hold the motion. The skeleton used here is an adult 1.70 m
+tall, with segment lengths as fractions of the stature (Drillis and Contini 1966, as printed in Winter, Biomechanics
+and Motor Control of Human Movement). `betas`, the body shape, are ignored.
 """
 
 from typing import Final
@@ -20,11 +20,11 @@ Float64 = npt.NDArray[np.float64]
 STATURE: Final = 1.70
 RATES: Final = ("mocap_framerate", "mocap_frame_rate", "fps")
 POSE_WIDTHS: Final = {66: "body", 72: "SMPL", 156: "SMPL-H", 159: "SMPL-H", 165: "SMPL-X"}
-"""Numbers a frame that `poses` may have, three for each joint; the first 22 joints are the same in all."""
+"""Allowed numbers per frame in `poses`, three per joint; the first 22 joints are the same in all models."""
 FPS_RANGE: Final = (1.0, 1000.0)
 _BODY: Final = 22
 _FRAME_BYTES: Final = 4000
-"""Memory that one frame takes on its way."""
+"""Memory [bytes] for one frame while reading."""
 _H: Final = STATURE
 # name, parent, offset from the parent [m] in the T-pose, facing +z with the left at +x
 _JOINTS: Final = (
@@ -72,16 +72,16 @@ for _array in (_PARENTS, _OFFSETS, _END_PARENTS, _END_OFFSETS):
 
 
 def parse_amass(data: bytes, file: str) -> SourceMotion:
-    """Read an AMASS archive: `poses` (T, 66 | 72 | 156 | 165) axis-angle [rad], `trans` (T, 3) [m], a frame rate.
+    """Parse an AMASS archive: `poses` (T, 66 | 72 | 156 | 165) axis-angle [rad], `trans` (T, 3) [m], a frame rate.
 
-    Of SMPL-X archives without `poses`, `root_orient` (T, 3) and `pose_body` (T, 63) are taken. Metres, Z up; the
-    fingers are left out. Rest rotations stand the T-pose upright in that world. Raises MotionFileError (and nothing
-    else) that says which key, type and shape is expected; memory is bounded by 64 MB + 20 times the data.
+    SMPL-X archives without `poses` are read from `root_orient` (T, 3) and `pose_body` (T, 63). Metres, Z up; fingers
+    are ignored. The rest rotation of the root makes the T-pose upright in a Z-up world. Raises only MotionFileError,
+    with the expected key, type and shape; memory is bounded by 64 MB + 20 times the data.
     """
     archive = Archive(data, file)
     if not any(archive.has(key) for key in ("poses", "pose_body")):
         there = ", ".join(archive.keys[:8]) or "nothing"
-        words = f"no motion: there is no array 'poses' among {there}"
+        words = f"no motion: no array 'poses' among {there}"
         raise MotionFileError(file, None, words, "an AMASS archive with poses, trans and mocap_framerate expected")
     body = _body_rotations(archive, file, len(data))
     frames = len(body)
@@ -120,7 +120,7 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
 
 
 def _body_rotations(archive: Archive, file: str, size: int) -> Float64:
-    """Rotation vectors of the 22 body joints, (T, 66) [rad]."""
+    """Return the rotation vectors of the 22 body joints, (T, 66) [rad]."""
     if archive.has("poses"):
         poses = archive.array("poses")
         if poses.ndim != 2 or poses.shape[1] not in POSE_WIDTHS:
@@ -138,7 +138,7 @@ def _body_rotations(archive: Archive, file: str, size: int) -> Float64:
 
 
 def _check_length(frames: int, size: int, file: str) -> None:
-    """What a zip of a few kilobytes unpacks to must not fill the memory."""
+    """Raise MotionFileError if a small archive would unpack to excessive memory."""
     if frames * _FRAME_BYTES > 48_000_000 + 14 * size:
         words = f"{frames} frames in a file of {size} bytes"
         raise MotionFileError(file, None, words, "a shorter motion expected; cut it into pieces")

@@ -1,4 +1,4 @@
-"""The first part of a BVH file: joints, offsets and channels (T164)."""
+"""Parser for the HIERARCHY part of a BVH file: joints, offsets and channels (T164)."""
 
 import re
 from collections.abc import Iterator
@@ -9,9 +9,9 @@ from live.motion.formats.file_error import MotionFileError, read_number, shown
 
 JOINT_LIMIT: Final = 1000
 LINE_LIMIT: Final = 100_000
-"""Letters of a line at most."""
+"""Maximum characters per line."""
 CHANNEL_LIMIT: Final = 9
-"""Channels of one joint at most."""
+"""Maximum channels per joint."""
 _NOT_BLANK: Final = re.compile(r"\S")
 _COUNT: Final = re.compile(r"\d{1,9}", re.ASCII)
 _CHANNELS: Final = {
@@ -34,7 +34,7 @@ class Hierarchy:
 
 
 class _Words:
-    """The words of the text one after the other, with their lines; braces are words of their own."""
+    """Token stream of the text with line numbers; braces are separate tokens."""
 
     def __init__(self, text: str, file: str) -> None:
         self.file, self.line = file, 1
@@ -141,10 +141,10 @@ def _read_end_site(words: _Words, hierarchy: Hierarchy, parent: int) -> None:
 
 
 def parse_hierarchy(text: str, file: str) -> Hierarchy:
-    """Read everything from HIERARCHY up to (not with) MOTION; raises MotionFileError.
+    """Parse everything from HIERARCHY up to (excluding) MOTION; raises MotionFileError.
 
-    Keywords may be written in any case, braces may stand anywhere, a joint may lack channels and a leaf its End
-    Site. One skeleton per file: a second ROOT is refused. No recursion, so depth costs nothing.
+    Keywords are case-insensitive, braces may be anywhere, joints may have no channels and leaves no End Site. One
+    skeleton per file: a second ROOT is an error. The parser does not recurse, so depth is not limited by the stack.
     """
     words, hierarchy = _Words(text, file), Hierarchy()
     words.keyword("HIERARCHY")
@@ -162,6 +162,6 @@ def parse_hierarchy(text: str, file: str) -> Hierarchy:
     if following is not None:
         word = words.take("")
         if word.upper() == "ROOT":
-            raise words.error("a second ROOT", "one skeleton per file expected; save each performer by itself")
+            raise words.error("a second ROOT", "one skeleton per file expected; save each performer in a separate file")
         raise words.error(f"{shown(word)} was read after the skeleton", "MOTION expected")
     return hierarchy

@@ -1,4 +1,4 @@
-"""Kernels that read BVH: numbers out of bytes, and channels into translations and rotations."""
+"""Kernels for BVH: decimal numbers from bytes, and channels to translations and rotations."""
 
 import math
 
@@ -13,20 +13,20 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 _HIGHEST = 44
-"""10^44 = 2^44 · 5^44 is the last power of ten that two doubles hold exactly."""
+"""10^44 = 2^44 · 5^44 is the largest power of ten that two doubles represent exactly."""
 _POWERS = np.array([float(10**n) for n in range(_HIGHEST + 1)])
 _POWERS_REST = np.array([float(10**n - int(float(10**n))) for n in range(_HIGHEST + 1)])
 _EXACT = 22
-"""10^22 is the last power of ten that one double holds exactly."""
-_LARGE = np.uint64(1 << 53)  # as an int it would be compared as a double
-"""Whole numbers up to here are exact as doubles."""
+"""10^22 is the largest power of ten that one double represents exactly."""
+_LARGE = np.uint64(1 << 53)  # an int would be compared as a double
+"""Integers up to this are exact as doubles."""
 _SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
 _DIGITS = 19
-"""So many digits always fit into 64 bits."""
+"""This many digits always fit into 64 bits."""
 _ROOM = np.uint64(10 ** (_DIGITS - 1))
-"""A mantissa below takes one more."""
+"""A mantissa below this has room for one more digit."""
 _LONGEST = 1000
-"""Letters of a number at most: reading one takes the square of its length."""
+"""Maximum characters of a number: reading one takes time quadratic in its length."""
 _ZERO, _ONE, _TEN, _NOUGHT = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
 
 COUNT, BAD, STRANGE, HARD, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range(8)
@@ -35,10 +35,10 @@ COUNT, BAD, STRANGE, HARD, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range
 
 @kernel("f8(u8, i8)")
 def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
-    """mantissa · 10^exponent as the nearest double, or NaN where this needs more than a few doubles can tell.
+    """Return mantissa · 10^exponent as the nearest double, or NaN if this needs more precision than available here.
 
-    Up to 2^53 and 10^22 both factors are exact, so one operation rounds once (Clinger 1990). Beyond, the quotient is
-    corrected by its exact remainder (Dekker), and taken if a little more or less would not round otherwise (Ziv).
+    Up to 2^53 and 10^22 both factors are exact, so one operation rounds once (Clinger 1990). Beyond that, the quotient
+    is corrected by its exact remainder (Dekker), and accepted if the error bound cannot change the rounding (Ziv).
     """
     if mantissa == 0:
         return 0.0
@@ -67,7 +67,7 @@ def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
 
 @kernel("Tuple((u8, u8))(u1[::1], u8, u8)")
 def _read_digits(text: UInt8, place: np.uint64, mantissa: np.uint64) -> tuple[np.uint64, np.uint64]:
-    """The mantissa with the digits from `place` on (right for 19 of them), and where they end."""
+    """Return the mantissa extended by the digits from `place` on (exact up to 19 digits), and where they end."""
     while text[place] >= 48 and text[place] <= 57:  # a chained comparison takes twice as long
         if mantissa < _ROOM:
             mantissa = mantissa * _TEN + (np.uint64(text[place]) - _NOUGHT)
@@ -77,9 +77,9 @@ def _read_digits(text: UInt8, place: np.uint64, mantissa: np.uint64) -> tuple[np
 
 @kernel("Tuple((f8, u8))(u1[::1], u8)")
 def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
-    """The number that begins at `begin` and where it ends; NaN if only more precision can tell.
+    """Return the number that begins at `begin` and where it ends; NaN if it needs more precision.
 
-    It ends at `begin` where no number stands. The last byte of `text` must not belong to a word.
+    The end equals `begin` if there is no number. The last byte of `text` must be whitespace.
     """
     place = begin
     negative = text[place] == 45
@@ -110,12 +110,12 @@ def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
 
 @kernel("void(u1[::1], i8, f8[::1], i8[:,::1], i8[::1])")
 def scan_numbers(text: UInt8, columns: int, values: Float64, hard: Int64, found: Int64) -> None:
-    """Read all numbers of `text` into `values`, as far as they fit, and see whether lines hold whole frames.
+    """Read the numbers of `text` into `values`, up to its size, and check that lines hold whole frames.
 
-    Lines end with LF, CR or both, and `text` with one. In `found`: COUNT of numbers, place of a BAD word (-1: none;
-    reading ends there), of a STRANGE number (not within 1e7), how many HARD ones there are (index and place go to
-    `hard` (n, 2), as far as they fit); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing follows) of
-    the first line whose numbers are no multiple of `columns`; WRAPPED = 1 if all the same every frame begins a line.
+    Lines end with LF, CR or both; `text` ends with a line end. Written to `found`: COUNT of numbers, place of a BAD
+    word (-1: none; reading stops there), place of a STRANGE number (not within 1e7), count of HARD ones (index and
+    place go to `hard` (n, 2), up to its size); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing
+    follows) of the first line whose count is no multiple of `columns`; WRAPPED = 1 if each frame still begins a line.
     """
     place, last_word = _ZERO, _ZERO
     count, in_line, in_frame, hards = 0, 0, 0, 0
@@ -158,10 +158,10 @@ def scan_numbers(text: UInt8, columns: int, values: Float64, hard: Int64, found:
 
 @kernel('void(Array(f8, 2, "C", True), i4[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,::1])')
 def pose_channels(values: Float64, channels: Int32, base: Float64, translation: Float64, rotation: Float64) -> None:
-    """Channels of every frame (T, C) as translations (T, J, 3) and unit quaternions (T, J, 4).
+    """Convert channels of every frame (T, C) to translations (T, J, 3) and unit quaternions (T, J, 4).
 
-    `channels` (C, 2) holds each one's joint and kind: 0-2 a position along x, y, z that is added to `base` (J, 3), 3-5
-    a rotation about x, y, z [degrees], applied in file order: R = R1 R2 R3 (T163).
+    `channels` (C, 2) holds the joint and kind of each: 0-2 a position along x, y, z, added to `base` (J, 3), 3-5 a
+    rotation about x, y, z [degrees], applied in file order: R = R1 R2 R3 (T163).
     """
     for frame in range(len(values)):
         for joint in range(len(base)):

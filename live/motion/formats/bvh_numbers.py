@@ -1,4 +1,4 @@
-"""The numbers in the motion part of a BVH file: one pass over the bytes, and messages that name the line."""
+"""Reader for the numbers of a BVH file's MOTION part: one pass over the bytes, errors with line numbers."""
 
 import re
 from itertools import islice
@@ -25,16 +25,16 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 HARD_LIMIT: Final = 1 << 14
-"""So many numbers are read one by one where the kernel cannot tell the nearest double; more: all of them by numpy."""
+"""Up to this many numbers beyond the kernel's precision are read one by one; if there are more, numpy reads all."""
 
 _WORD: Final = re.compile(rb"[^ \t\n\r\f\v]+")
 
 
 def read_numbers(data: bytes, start: int, columns: int, frames: int, file: str) -> Float64:
-    """All frames from the byte `start` on, shape (T, columns); `frames` is only what the file claims.
+    """Read all frames from byte `start` on, shape (T, columns); `frames` is only the count that the file states.
 
-    Every number is the double nearest to what is written, as Python's `float` reads it. Every frame must end where
-    a line ends, so that a lost number cannot shift all that follow. Raises MotionFileError.
+    Every number is the nearest double, as from Python's `float`. Every frame must end at a line end, so that a missing
+    number cannot shift the rest. Raises MotionFileError.
     """
     return _NumberBlock(data, start, file).read(columns, frames)
 
@@ -57,7 +57,7 @@ class _NumberBlock:
             raise self._error(0, f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
         if count == 0:
             raise self._error(0, "no frames", f"{frames} lines of {columns} numbers expected")
-        if count > values.size:  # more frames than the file says
+        if count > values.size:  # more frames than the file states
             values = np.empty(count)
             scan_numbers(self._text, columns, values, self._hard, self._found)
         values = values[:count] if count == values.size else values[:count].copy()
@@ -70,7 +70,7 @@ class _NumberBlock:
         return values.reshape(-1, columns)
 
     def _read_hard(self, values: Float64) -> Float64:
-        """The values with the numbers that are beyond the kernel's exact arithmetic."""
+        """Return the values including the numbers beyond the kernel's exact arithmetic."""
         count, found = int(self._found[HARD]), self._found
         if count > HARD_LIMIT:
             values = np.fromstring(self._data[self._start :].decode("ascii"), np.float64, sep=" ")
@@ -111,5 +111,5 @@ class _NumberBlock:
 
 
 def line_at(data: bytes, place: int) -> int:
-    """The line, from 1, in which a byte stands; lines end with LF, CR or both."""
+    """Return the line number, from 1, of a byte; lines end with LF, CR or both."""
     return line_ends(data, 0, place) + 1

@@ -1,13 +1,8 @@
-"""BVH files: a skeleton and its recorded channels, any rotation order and channel layout (T164).
+"""Reader for BVH motion files with any rotation order and channel layout (T164).
 
-Reading is strict about what would dance wrongly (a number missing in a line, no number, NaN) and lenient about what
-many programs write (Frames that miscounts, CRLF, tabs, keywords in other cases, joints without channels).
-
-From BVH channels to joints relative to their parents: offsets, rotation orders, position channels (T164).
-
-Whether the OFFSET of a BVH file's root is to be added to its position channels, or already in them.
-
-What a BVH file means: its channels as translations and rotations, with the root's OFFSET used as it should be.
+Errors that would corrupt the motion are refused (a number missing in a line, no number, NaN). Common deviations are
+accepted (wrong Frames count, CRLF, tabs, keywords in other cases, joints without channels). Channels become
+translations and rotations relative to the parent; the use of the root's OFFSET is decided from the data.
 """
 
 import re
@@ -30,10 +25,10 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 FRAME_TIME_RANGE: Final = (1e-4, 10.0)
-"""Seconds per frame that are believed."""
+"""Accepted seconds per frame."""
 
 SKELETON_BYTES: Final = 4_000_000
-"""Length of the first part of a file at most: a thousand joints take less than a tenth of it."""
+"""Maximum length of the HIERARCHY part: a thousand joints take less than a tenth of it."""
 
 _MOTION: Final = re.compile(rb"(?:\A|(?<=[\r\n]))[ \t]*MOTION[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 _LINE: Final = re.compile(rb"([^\r\n]*)(\r\n|\r|\n|\Z)")
@@ -44,28 +39,28 @@ _FRAMES: Final = re.compile(r"\d{1,15}", re.ASCII)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BvhMotion:
-    """What one file holds: J joints (End Sites are not joints), C channels, T frames; units as in the file."""
+    """The content of one file: J joints (End Sites are not joints), C channels, T frames; units as in the file."""
 
     file: str
     names: tuple[str, ...]
     parents: Int32
-    """Parent of each joint, which always comes before it; -1 for the root, shape (J,)."""
+    """Parent of each joint, parents first; -1 for the root, shape (J,)."""
     offsets: Float64
     """OFFSET of each joint [file units], shape (J, 3)."""
     channels: tuple[str, ...]
     """Per joint one letter per channel in file order: x y z = position along, X Y Z = rotation about that axis."""
     end_parents: Int32
-    """Joint that carries each of the E End Sites, shape (E,)."""
+    """Parent joint of each of the E End Sites, shape (E,)."""
     end_offsets: Float64
     """OFFSET of each End Site [file units], shape (E, 3)."""
     values: Float64
     """The channels of every frame [file units, degrees], shape (T, C)."""
     frame_time: float
-    """Seconds per frame as the file says it (it may lie)."""
+    """Seconds per frame as the file states them (may be wrong)."""
     frames_declared: int
-    """Number of frames as the file says it (it may lie)."""
+    """Number of frames as the file states it (may be wrong)."""
     warnings: tuple[str, ...]
-    """What was strange but usable."""
+    """Anomalies that do not prevent use."""
 
     @property
     def joint_count(self) -> int:
@@ -74,19 +69,19 @@ class BvhMotion:
 
     @property
     def frame_count(self) -> int:
-        """Number of frames T that the file really holds."""
+        """Number of frames T in the file."""
         return int(self.values.shape[0])
 
     @property
     def header_fps(self) -> float:
-        """Frames per second as the file says it."""
+        """Frames per second as the file states them."""
         return 1.0 / self.frame_time
 
 
 def parse_bvh(data: bytes | str, file: str) -> BvhMotion:
-    """Read a whole BVH file from its bytes (or text); `file` is its name for messages.
+    """Parse a whole BVH file; `file` is its name for messages.
 
-    Raises MotionFileError (and nothing else) for whatever else the bytes may be. Time is linear in their length.
+    Raises only MotionFileError, for any other content. Time is linear in the length of `data`.
     """
     if isinstance(data, str):
         data = data.encode("utf-8", errors="replace")
@@ -103,7 +98,7 @@ def parse_bvh(data: bytes | str, file: str) -> BvhMotion:
     refuse_too_large(file, len(values), len(hierarchy.names), columns, len(data))
     warnings = []
     if values.shape[0] != frames:
-        warnings.append(f"says {frames} frames, holds {values.shape[0]} data lines: all of these are used")
+        warnings.append(f"says {frames} frames, holds {values.shape[0]} data lines: all of them are used")
     return _build(hierarchy, file, values, frame_time, frames, tuple(warnings))
 
 
@@ -116,7 +111,7 @@ def _no_motion(data: bytes, file: str) -> MotionFileError:
     start = text[:1000].lstrip()
     if start[:9].upper() != "HIERARCHY":
         return MotionFileError(file, 1, f"{shown(start[:20])} was read", "a BVH file begins with HIERARCHY")
-    parse_hierarchy(text, file)  # a broken skeleton is the better message
+    parse_hierarchy(text, file)  # an error in the skeleton gives a better message
     if len(data) > SKELETON_BYTES:
         text = f"no MOTION within the first {SKELETON_BYTES} bytes"
         return MotionFileError(file, None, text, "a file with recorded frames expected")
@@ -151,7 +146,7 @@ def _build(
 
 
 def _read_motion_header(data: bytes, place: int, file: str) -> tuple[int, float, int]:
-    """Frames, frame time [s], and the byte from which on there are numbers; `place` is the end of the word MOTION."""
+    """Return frames, frame time [s], and the byte where the numbers begin; `place` is the end of the word MOTION."""
     frames: int | None = None
     frame_time: float | None = None
     place = _next_line(data, place)
@@ -177,7 +172,7 @@ def _read_motion_header(data: bytes, place: int, file: str) -> tuple[int, float,
 
 
 def _next_line(data: bytes, place: int) -> int:
-    """Where the line after this one begins."""
+    """Return the start of the next line."""
     match = _LINE.match(data, place)
     return match.end() if match else len(data)
 
@@ -196,11 +191,11 @@ def _read_frame_time(text: str, file: str, line: int) -> float:
 
 
 def local_pose(motion: BvhMotion, root_offset: Literal["add", "replace"] = "add") -> LocalPose:
-    """Channels as rotations and translations.
+    """Return the channels as rotations and translations.
 
-    By the format (T164: A = O_A + T_A) position channels are added to OFFSET. Some programs write the whole place
-    into them instead: for the root `root_offset` says which it is, for the other joints it is seen from the values
-    (whether they lie about zero or about OFFSET).
+    By the format (T164: A = O_A + T_A) position channels are added to OFFSET. Some programs write the full position
+    into them instead. For the root `root_offset` selects the interpretation; for other joints it is decided from the
+    values (near zero or near OFFSET).
     """
     base = np.array(motion.offsets, np.float64)
     kinds: list[tuple[int, int]] = []
@@ -219,17 +214,17 @@ def local_pose(motion: BvhMotion, root_offset: Literal["add", "replace"] = "add"
 
 
 def _holds_offset(moved: Float64, offset: Float64) -> bool:
-    """Whether position channels of an inner joint hold the whole offset (then it must not be added again)."""
+    """Whether position channels of an inner joint include OFFSET (then it must not be added)."""
     return bool(np.median(np.linalg.norm(moved - offset, axis=-1)) < np.median(np.linalg.norm(moved, axis=-1)))
 
 
 def find_root_offset(
     motion: BvhMotion, body: SourceBody, positions: npt.NDArray[np.floating], up: UpAxis
 ) -> OffsetUse | None:
-    """The use of the root's OFFSET that brings the lowest joint nearer to zero height.
+    """Return the use of the root's OFFSET that puts the lowest joint nearer to zero height.
 
-    `positions` (T, J, 3) are those with the OFFSET added, as the format says (T164). One frame alone is no evidence
-    (None: then add).
+    `positions` (T, J, 3) include the OFFSET, as the format defines (T164). None for a single frame or where both uses
+    fit equally well: then it is added.
     """
     if has_no_root_offset(motion):
         return "zero"
@@ -239,24 +234,24 @@ def find_root_offset(
     floor = float(np.median(positions[:, :, axis].min(axis=1)))
     raised = float(motion.offsets[0, axis])
     if abs(raised) < 0.05 * leg_length(body, positions):
-        return None  # both readings stand equally well
+        return None  # both uses fit equally well
     return "add" if abs(floor) <= abs(floor - raised) else "replace"
 
 
 def has_no_root_offset(motion: BvhMotion) -> bool:
-    """Whether the question does not arise: OFFSET is zero, or the root has no position channels."""
+    """Whether the root's OFFSET is zero or the root has no position channels, so that both uses are the same."""
     return not motion.offsets[0].any() or not any(letter.islower() for letter in motion.channels[0])
 
 
 SEEN_FRAMES: Final = 500
-"""Frames, evenly spread, by which it is decided what the file does not say."""
+"""Maximum number of evenly spaced frames from which missing information is decided."""
 
 
 def source_of_bvh(motion: BvhMotion, up: UpAxis | None = None) -> SourceMotion:
-    """The motion of a BVH file in its own units and axes.
+    """Return the motion of a BVH file in its own units and axes.
 
-    `up` is the axis that points up, if a person has said so; by it and by ground contact it is decided whether the
-    root's OFFSET is added (as T164 has it) or replaced. Position channels of other joints: see `local_pose`.
+    `up` is the axis that points up, if the user has given it. It and ground contact decide whether the root's OFFSET
+    is added (T164) or replaced. Position channels of other joints: see `local_pose`.
     """
     local = local_pose(motion)
     source = SourceMotion(

@@ -1,7 +1,4 @@
-"""Clips as BVH files: the engine's skeleton in centimetres, Y up, rotations in the order ZXY (T164).
-
-Quaternions as the angles of BVH channels: z, x, y in turn, smooth from frame to frame (T164).
-"""
+"""Writer for BVH files: the engine's skeleton in centimetres, Y up, continuous Euler angles in ZXY order (T164)."""
 
 from typing import Final
 
@@ -16,11 +13,11 @@ Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
 _LOCKED = 1e-9
-"""Cosine of x below which z and y turn about one axis, and only their sum or difference is known."""
+"""Cosine of x below which the angles are in gimbal lock: only the sum or difference of z and y is defined."""
 
 
 def zxy_angles(rotation: Float) -> Float64:
-    """Angles about z, x and y [rad] of unit quaternions, (..., 4) → (..., 3): R = Rz Rx Ry, x within ±90 degrees."""
+    """Return the angles about z, x and y [rad] of unit quaternions, (..., 4) → (..., 3): R = Rz Rx Ry, x within ±90 degrees."""
     w, x, y, z = np.moveaxis(quaternion.unit(np.asarray(rotation, np.float64)), -1, 0)
     minus_sin_z, cos_z = 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z)  # both times cos x
     minus_sin_y, cos_y = 2.0 * (x * z - w * y), 1.0 - 2.0 * (x * x + y * y)  # both times cos x
@@ -36,10 +33,10 @@ def zxy_angles(rotation: Float) -> Float64:
 
 
 def smooth_angles(angles: Float64) -> Float64:
-    """The same rotations (T, ..., 3) with each frame's angles nearest to those of the frame before.
+    """Return the same rotations (T, ..., 3) with the angles of each frame nearest to those of the previous frame.
 
-    A rotation has two triples (z, x, y) and (z + π, π - x, y + π), each up to whole turns; programs that interpolate
-    the channels themselves would otherwise whirl between two frames.
+    A rotation has two triples (z, x, y) and (z + π, π - x, y + π), each modulo whole turns. Programs that interpolate
+    channels would otherwise spin joints between two frames.
     """
     result = angles.copy()
     turn = 2.0 * np.pi
@@ -60,13 +57,12 @@ _TURNS: Final = "Zrotation Xrotation Yrotation"
 
 
 def write_bvh(clip: Clip, *, rate: float | None = FRAME_RATE) -> str:
-    """The text of a BVH file of the clip, `rate` frames per second (None: one frame per sample of the clip).
+    """Return the clip as BVH text, `rate` frames per second (None: one frame per sample of the clip).
 
-    Six decimals: read again, joints are within 1e-5 m of where they were. What programs rely on: the root's OFFSET is
-    zero, so that it does not matter whether a reader adds its position channels to it or takes them in its place
-    (Blender subtracts, others add); every joint has an OFFSET or End Site of some length, for Blender makes bones of
-    them and drops those without; names hold no spaces. In Blender: File, Import, Motion Capture, scale 0.01, and
-    "Update Scene FPS".
+    Six decimals: after a round trip joints are within 1e-5 m. For compatibility the root's OFFSET is zero, so a reader
+    may add the position channels to it or replace it (Blender subtracts, others add). Every joint has an OFFSET or End
+    Site of nonzero length, because Blender makes bones of them and drops those without. Names have no spaces. In
+    Blender: File, Import, Motion Capture, scale 0.01, and "Update Scene FPS".
     """
     if rate is not None:
         clip = resample(clip, rate)
@@ -82,7 +78,7 @@ def write_bvh(clip: Clip, *, rate: float | None = FRAME_RATE) -> str:
 
 
 def _joint(joint: int, depth: int) -> list[str]:
-    """The lines of a joint and of all below it."""
+    """Return the lines of a joint and its descendants."""
     tab = "\t" * depth
     is_root = joint == 0
     offset = (0.0, 0.0, 0.0) if is_root else tuple(SKELETON.offsets[joint].astype(np.float64))

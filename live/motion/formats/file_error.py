@@ -1,7 +1,4 @@
-"""MotionFileError: what every reader of motion files raises, and what it says of broken numbers.
-
-The lines of a text file one after the other, without a copy of the whole; any line ends.
-"""
+"""The error that all motion file readers raise, and helpers to read numbers and lines of text files."""
 
 import math
 import re
@@ -9,14 +6,14 @@ from collections.abc import Iterator
 from typing import Final
 
 MAGNITUDE_LIMIT: Final = 1e7
-"""Largest offset, position or angle that a file may hold; more is a broken file, and would overflow later."""
+"""Largest allowed offset, position or angle; larger values indicate a broken file and would overflow later."""
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class MotionFileError(ValueError):
-    """A motion file that cannot be used; the message is one line with file, line, problem and what is expected.
+    """A motion file that cannot be used; the message is one line with file, line, problem and expected content.
 
-    `line` counts from 1; it is None where the file is not a text.
+    `line` counts from 1; it is None for binary files.
     """
 
     def __init__(self, file: str, line: int | None, problem: str, expected: str) -> None:
@@ -26,12 +23,12 @@ class MotionFileError(ValueError):
 
 
 def shown(text: str) -> str:
-    """What was read, in quotes and short enough for a message of one line."""
+    """Return the text quoted and shortened for a one-line message."""
     return ascii(text if len(text) <= 40 else text[:37] + "...")
 
 
 def read_number(text: str, file: str, line: int, what: str) -> float:
-    """A finite number of reasonable size; raises MotionFileError otherwise."""
+    """Return a finite number of at most MAGNITUDE_LIMIT; raises MotionFileError otherwise."""
     if not NUMBER.fullmatch(text):
         raise MotionFileError(file, line, f"{shown(text)} as {what} is not a number", "a decimal number expected")
     value = float(text)
@@ -41,16 +38,16 @@ def read_number(text: str, file: str, line: int, what: str) -> float:
 
 
 LINE_LIMIT: Final = 100_000
-"""Letters of a line at most."""
+"""Maximum characters per line."""
 _NOTHING: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
-"""Blanks and comments; possessive, so that none of it is remembered."""
+"""Whitespace and comments; possessive quantifiers avoid backtracking."""
 _END: Final = re.compile(rb"[\r\n]")
 
 
 def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
-    """Number (from 1) and words of each line that holds any; what follows a # is left out.
+    """Yield number (from 1) and words of each non-empty line; text after a # is ignored.
 
-    Raises MotionFileError for lines of over 100,000 letters.
+    Raises MotionFileError for lines of over 100,000 characters.
     """
     place, number = 0, 1
     while True:
@@ -71,6 +68,6 @@ def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def line_ends(data: bytes, start: int, end: int) -> int:
-    """How many lines end in data[start:end], with LF, CR or both; a CR LF must not be cut in two."""
+    """Return how many lines end in data[start:end], with LF, CR or both; the range must not split a CR LF."""
     ends = data.count(b"\n", start, end) + data.count(b"\r", start, end)
     return ends - data.count(b"\r\n", start, end)

@@ -1,6 +1,6 @@
-"""What a recording holds and what can be told about it: counts, axes, unit, floor, size, way, strange things.
+"""Report about a recording: counts, axes, unit, floor, body height, travelled distance and warnings.
 
-How much motion a file may hold, so that reading it takes 64 MB and 20 times its length at most.
+Also the size limits that bound the memory for reading a file to 64 MB plus 20 times its length.
 """
 
 from dataclasses import dataclass
@@ -30,15 +30,15 @@ from live.motion.retarget.joint_mapping import SourceBody, find_body, map_joints
 
 FLOOR_PERCENTILE: Final = 5.0
 FLOATING: Final = 0.08
-"""Where the lowest point is this high [m] over the floor for half of the time, something is wrong with the height."""
+"""If the lowest point is this high [m] above the floor for half of the time, the height is probably wrong."""
 STILL: Final = 0.01
-"""A joint that moves less than this part of the leg's length in all stays where it is."""
+"""A joint that moves less than this share of the leg length counts as still."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionFacts:
-    """The keys of `live bvh --json`; None where something cannot be told."""
+    """The keys of `live bvh --json`; None for unknown values."""
 
     joints: int
     end_sites: int
@@ -53,21 +53,21 @@ class MotionFacts:
     up: UpAxis | None
     root_offset: OffsetUse | None
     tpose_first: bool
-    """Whether the first frame is a T-pose that was added."""
+    """Whether the first frame is an added T-pose."""
     floor_m: float | None
-    """5th percentile of the height of the lowest joint or End Site [m], without an added T-pose and its run-in."""
+    """5th percentile of the height of the lowest joint or End Site [m], without an added T-pose and the transition from it."""
     height_m: float | None
-    """Height of a person with these legs [m], in the engine's proportions: few files say where the head ends."""
+    """Height of a person with this leg length [m], by the engine's proportions: few files mark the top of the head."""
     travel_m: float | None
-    """Length of the hips' horizontal path [m], without an added T-pose and its run-in."""
+    """Length of the hips' horizontal path [m], without an added T-pose and the transition from it."""
     mapped: dict[str, str | None]
-    """For each of the engine's joints the file's, or None."""
+    """The file's joint for each of the engine's joints, or None."""
     warnings: tuple[FileWarning, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SourceTracks:
-    """All joints of a recording in metres, Y up; in file units where nothing tells the unit."""
+    """All joints of a recording in metres, Y up; in file units if the unit is unknown."""
 
     names: tuple[str, ...]
     positions: Float64
@@ -77,7 +77,7 @@ class SourceTracks:
 def find_facts(
     motion: SourceMotion, *, fps: float | None = None, unit_m: float | None = None, up: UpAxis | None = None
 ) -> tuple[MotionFacts, SourceTracks]:
-    """Everything about a recording; what a person says (true rate, unit, axis) goes before what is found."""
+    """Return facts and joint positions of a recording; given values (rate, unit, axis) override detected ones."""
     body = find_body(motion)
     world = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation))
     whole = not body.missing
@@ -122,13 +122,13 @@ def find_facts(
 
 
 def _believable(unit: float | None, leg: float) -> float | None:
-    """The unit that the format fixes, unless it makes a giant or a dwarf of the dancer: files in centimetres lie."""
+    """Return the unit fixed by the format, or None if it gives an implausible body height (files in centimetres)."""
     low, high = BODY_HEIGHT_RANGE
     return unit if unit is not None and (leg == 0.0 or low <= body_height(leg) * unit <= high) else None
 
 
 def _upright(motion: SourceMotion, world: WorldPose, axis: UpAxis | None) -> tuple[Float64, Float64]:
-    """Joints with Y up (T, J, 3) and the height of the lowest of them and of the End Sites (T,), in file units."""
+    """Return joints with Y up (T, J, 3) and the height of the lowest joint or End Site (T,), in file units."""
     points, height = np.array(world.positions, np.float64), "XYZ".index(axis or "Y")
     lowest = points[..., height].min(axis=1)
     if motion.end_parents.size:
@@ -145,26 +145,26 @@ def _way(hips: npt.NDArray[np.float64]) -> float:
 def _doubts(
     motion: SourceMotion, body: SourceBody, axis: UpAxis | None, unit: float | None, leg: float
 ) -> list[FileWarning]:
-    """What cannot be told, and what a person said that can hardly be."""
+    """Return warnings about unknown properties and implausible given values."""
     words = []
     if body.missing:
         words.append(f"no body: no joints found for {', '.join(body.missing)}")
     if motion.root_offset is None:
-        words.append("it cannot be told whether the root's OFFSET is in its position channels, too; it was added")
+        words.append("it is unknown whether the root's position channels include its OFFSET; it was added")
     if axis is None:
-        words.append("it cannot be told which axis points up; Y is taken (--up Z if it is the other)")
+        words.append("the up axis is unknown; Y is used (give --up Z otherwise)")
     if unit is None:
-        words.append("it cannot be told how long a unit is (--unit METRES); positions are in file units")
+        words.append("the length of a unit is unknown (--unit METRES); positions are in file units")
     elif leg > 0.0:
         low, high = BODY_HEIGHT_RANGE
         height = body_height(leg) * unit
         if not low <= height <= high:
-            words.append(f"with {unit:g} m per unit the dancer is {height:.3g} m tall; {low} to {high} m is believed")
+            words.append(f"with {unit:g} m per unit the dancer is {height:.3g} m tall; {low} to {high} m is plausible")
     return [FileWarning(one) for one in words]
 
 
 def _beginning_words(added: int) -> str:
-    run_in = f", frames 1 to {added - 1} a run-in from it" if added > 1 else ""
+    run_in = f", frames 1 to {added - 1} a transition from it" if added > 1 else ""
     return f"the first frame is an added T-pose{run_in}; the dance begins with frame {added} (drop_frames = {added})"
 
 
@@ -177,11 +177,11 @@ def _glitch_warning(glitch: Glitch) -> FileWarning:
 
 
 def _floating(lowest: Float64) -> list[FileWarning]:
-    """A body that hangs over its lowest floor most of the time: recordings from video drift up and down."""
+    """Warn if the body is above its lowest floor most of the time: recordings from video drift up and down."""
     over = float(np.median(lowest) - np.percentile(lowest, FLOOR_PERCENTILE))
     if over < FLOATING:
         return []
-    return [FileWarning(f"the body is {over:.2f} m over the floor half of the time: it drifts, or hangs and jumps")]
+    return [FileWarning(f"the body is {over:.2f} m above the floor half of the time: it drifts, or the height is wrong")]
 
 
 def _still_root(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: float) -> list[FileWarning]:
@@ -190,19 +190,19 @@ def _still_root(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: f
         return []
     if np.ptp(world.positions[:, hips], axis=0).max() <= STILL * leg:
         return []
-    return [FileWarning(f"the root {motion.names[0]} stays where it is; {motion.names[hips]} below it travels")]
+    return [FileWarning(f"the root {motion.names[0]} does not move; {motion.names[hips]} below it travels")]
 
 
 VALUE_LIMIT: Final = 10_000_000
-"""Numbers in the motion part of a file at most: ten minutes of 43 joints at 120 frames per second."""
+"""Maximum numbers in the motion part of a file: ten minutes of 43 joints at 120 frames per second."""
 JOINT_BYTES: Final = 56
-"""Memory that a joint takes in each frame: a translation and a quaternion in float64."""
+"""Memory of one joint in one frame: a translation and a quaternion in float64."""
 FREE_BYTES: Final = 32_000_000
-"""Memory for joints, beside eight times that of the file: a few channels could ask for any number of joints."""
+"""Memory allowed for joints besides eight times the file size: a file with few channels may declare many joints."""
 
 
 def refuse_too_large(file: str, frames: int, joints: int, channels: int, file_bytes: int) -> None:
-    """Raise MotionFileError if joints that hardly have channels would take memory out of all proportion."""
+    """Raise MotionFileError if joints with few channels would take memory out of proportion to the file size."""
     if frames * joints * JOINT_BYTES > FREE_BYTES + 8 * file_bytes:
         problem = f"{frames} frames of {joints} joints with {channels} channels in all"
         raise MotionFileError(file, None, problem, "channels for most joints expected, or fewer frames")

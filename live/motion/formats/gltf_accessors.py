@@ -1,4 +1,4 @@
-"""What glTF accessors hold, as arrays: buffers, strides, normalized integers, sparse values (specification, 3.6)."""
+"""Reader for glTF accessors as arrays: buffers, strides, normalized integers, sparse values (specification, 3.6)."""
 
 import base64
 import binascii
@@ -15,10 +15,10 @@ from live.motion.formats.gltf_document import GltfFile, JsonPlace
 
 Float64 = npt.NDArray[np.float64]
 Resolve = Callable[[str], bytes]
-"""Gives the content of a file that lies beside the glTF file, by its bare name; may raise OSError."""
+"""Returns the content of a file next to the glTF file, by its bare name; may raise OSError."""
 
 FILE_LIMIT: Final = 4
-"""Other files that one may name."""
+"""Maximum number of other files that a glTF file may reference."""
 _COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _FAR: Final = 1 << 40
@@ -29,16 +29,16 @@ _COMPRESSION: Final = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 class Accessors:
-    """Reads accessors of one file by their number.
+    """Reads the accessors of one file by index.
 
-    All reading together is bounded, because a hostile file may name the same bytes a thousand times: one accessor has
-    at most as many numbers as a file of that size can hold, and all together take a time linear in the file's size.
+    The total work is bounded, because a hostile file may reference the same bytes a thousand times: one accessor has at
+    most as many numbers as a file of that size can hold, and all together take time linear in the file size.
     """
 
     def __init__(
         self, gltf: GltfFile, resolve: Resolve | None = None, *, files: int = FILE_LIMIT, folders: bool = False
     ) -> None:
-        """`files` is how many others the file may name, `folders` whether they may lie in folders beside it."""
+        """`files` is how many other files it may reference, `folders` whether these may be in subfolders."""
         self._file_limit, self._name = files, _NAME_BELOW if folders else _BARE_NAME
         self._root = JsonPlace(gltf.json, "", gltf.file)
         self._chunk, self._resolve = gltf.chunk, resolve
@@ -48,9 +48,9 @@ class Accessors:
         self._largest = 1_000_000 + gltf.size // 2
 
     def read(self, index: int, kind: str) -> Float64:
-        """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
+        """Return all elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
 
-        Normalized integers become -1..1 or 0..1. Raises MotionFileError for NaN and for whatever lies outside.
+        Normalized integers become -1..1 or 0..1. Raises MotionFileError for NaN and values out of range.
         """
         accessor = self._root.element("accessors", index)
         if accessor.text("type") != kind:
@@ -68,7 +68,7 @@ class Accessors:
             values = np.zeros((count, width), stored)
         if accessor.has("sparse"):
             values = self._replaced(accessor.object("sparse"), values, stored)
-        with np.errstate(invalid="ignore"):  # some NaNs complain when they are cast; they are refused below
+        with np.errstate(invalid="ignore"):  # casting some NaNs warns; they are refused below
             result = values.astype(np.float64)
         if accessor.flag("normalized") and stored.kind in "iu":
             result = np.maximum(result / float(np.iinfo(stored).max), -1.0)
@@ -78,7 +78,7 @@ class Accessors:
         return result
 
     def content(self, place: JsonPlace) -> memoryview:
-        """The bytes of an image: out of a buffer view, a data URI, or a file beside this one; MotionFileError."""
+        """Return the bytes of an image from a buffer view, a data URI or a file next to this one; raises MotionFileError."""
         if not place.has("bufferView"):
             return memoryview(self._content(place, -1))
         view = self._root.element("bufferViews", place.whole("bufferView", below=self._root.length("bufferViews")))
@@ -96,7 +96,7 @@ class Accessors:
     def _view(
         self, accessor: JsonPlace, stored: "np.dtype[np.generic]", count: int, width: int
     ) -> npt.NDArray[np.generic]:
-        """(count, width) elements where the accessor says they are; nothing is copied."""
+        """Return the accessor's elements (count, width) without a copy."""
         index = accessor.whole("bufferView", below=self._root.length("bufferViews"))
         view = self._root.element("bufferViews", index)
         if view.has("extensions") and any(view.object("extensions").has(name) for name in _COMPRESSION):
@@ -112,7 +112,7 @@ class Accessors:
         offset = accessor.whole("byteOffset", 0, below=_FAR)
         if count and offset + stride * (count - 1) + size > length:
             raise accessor.error(
-                "", f"has {count} elements that go beyond its bufferView of {length} bytes", "the whole file expected"
+                "", f"has {count} elements that exceed its bufferView of {length} bytes", "the whole file expected"
             )
         if count == 0:
             return np.zeros((0, width), stored)
@@ -161,7 +161,7 @@ class Accessors:
         return self._beside(place, unquote(uri))
 
     def _beside(self, place: JsonPlace, name: str) -> bytes:
-        """A file in the same folder and nowhere else."""
+        """Return the content of a file in the same folder (or a subfolder if allowed)."""
         if not self._name.fullmatch(name):
             raise place.error("uri", f"is {shown(name)}", "a file in the same folder expected; or export as .glb")
         if self._resolve is None:
@@ -177,7 +177,7 @@ class Accessors:
         except (OSError, ValueError) as error:
             words = getattr(error, "strerror", None) or str(error)
             raise place.error(
-                "uri", f"{shown(name)} cannot be read: {' '.join(words.split())}", "put it beside the file"
+                "uri", f"{shown(name)} cannot be read: {' '.join(words.split())}", "put it next to the file"
             ) from None
         self._files[name] = content
         self._left += 16 * len(content)

@@ -1,7 +1,4 @@
-"""The animation of a glTF file that moves the dancer: its channels as curves, and the frames they are read at.
-
-One property of one node over time: the keys of a glTF animation channel, read at other times (specification, C).
-"""
+"""glTF animations: channels as interpolated curves (specification, C) and the frame times at which they are sampled."""
 
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -20,16 +17,16 @@ Float64 = npt.NDArray[np.float64]
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 
 ON_KEY: Final = 0.01
-"""Part of the way between two keys that is none: times are float32, in the tenth minute good to 0.06 ms."""
+"""Fraction between two keys that counts as on the key: times are float32, precise to 0.06 ms after ten minutes."""
 SHORTEST_GAP: Final = 1e-3
-"""Keys nearer to each other [s] than this are one."""
+"""Keys closer together than this [s] count as one."""
 LONGEST_GAP: Final = 1.0
-"""Keys further apart [s] say nothing about frames."""
+"""Key intervals longer than this [s] are not used to find the frame rate."""
 OFF_GRID: Final = 0.05
-"""Part of a frame by which a key may lie beside it."""
+"""Fraction of a frame by which a key may deviate from the frame grid."""
 LOWEST_RATE: Final = 20.0
 IRREGULAR_RATE: Final = 60.0
-"""Frames per second where the keys give none."""
+"""Frames per second if the keys are not on a regular grid."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,10 +40,10 @@ class Curve:
     interpolation: Interpolation
     is_rotation: bool
     tangents: tuple[Float64, Float64] | None = None
-    """Of CUBICSPLINE: incoming and outgoing [per second], (K, W) each."""
+    """For CUBICSPLINE: incoming and outgoing [per second], (K, W) each."""
 
     def at(self, times: Float64) -> Float:
-        """The value at each of `times` (T,) [s], shape (T, W); before the first and after the last key it rests."""
+        """Return the value at each of `times` (T,) [s], shape (T, W); constant before the first and after the last key."""
         if len(self.times) == 1:
             return np.broadcast_to(self.values[0], (len(times), self.values.shape[1]))
         after = np.clip(np.searchsorted(self.times, times, side="right"), 1, len(self.times) - 1)
@@ -78,10 +75,10 @@ class Curve:
 
 
 def key_rate(times: Float64) -> float:
-    """Frames per second of the grid on which all keys (K,) [s] lie; 60 where they lie on none.
+    """Return the frames per second of the grid on which all keys (K,) [s] lie; 60 if there is none.
 
-    Exporters write a key per frame, or leave out some of them; rates below 20 are doubled (tripled ...), so that what
-    bends between the keys is kept.
+    Exporters write a key per frame, or omit some. Rates below 20 are multiplied by the smallest integer that reaches
+    20, so that curvature between keys is kept.
     """
     gaps = np.diff(times)
     long = gaps[gaps > SHORTEST_GAP]
@@ -89,7 +86,7 @@ def key_rate(times: Float64) -> float:
         return IRREGULAR_RATE
     blur = float(np.spacing(np.float32(np.abs(times).max())))
     for gap in (float(np.median(long)), float(long.min())):
-        gap = float(times[-1] - times[0]) / float(np.round(gaps / gap).sum())  # one gap alone is blurred
+        gap = float(times[-1] - times[0]) / float(np.round(gaps / gap).sum())  # a single gap is imprecise in float32
         places = (times - times[0]) / gap
         off = float(np.abs(places - np.round(places)).max())
         if off < OFF_GRID + blur / gap and gap <= LONGEST_GAP:
@@ -102,13 +99,13 @@ def key_rate(times: Float64) -> float:
 
 PATHS: Final = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
 LONGEST: Final = 36_000.0
-"""Seconds that an animation may last."""
+"""Maximum duration of an animation [s]."""
 _INTERPOLATIONS: Final[tuple[Interpolation, ...]] = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One property of one node; its keys are read when they are needed."""
+    """One animated property of one node; its keys are read on demand."""
 
     node: int
     path: str
@@ -126,7 +123,7 @@ class Animation:
 
 
 def list_animations(root: JsonPlace, nodes: Nodes) -> list[Animation]:
-    """All animations; channels without a node (extensions) and of morph weights are left out."""
+    """Return all animations; channels without a node (extensions) and of morph weights are ignored."""
     animations = []
     for number, animation in enumerate(root.elements("animations")):
         samplers = animation.length("samplers")
@@ -146,28 +143,28 @@ def list_animations(root: JsonPlace, nodes: Nodes) -> list[Animation]:
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """Evenly spaced times at which an animation is read."""
+    """Evenly spaced times at which an animation is sampled."""
 
     start: float
     rate: float
     count: int
 
     def times(self) -> Float64:
-        """Shape (T,) [s]."""
+        """Return the times, shape (T,) [s]."""
         return self.start + np.arange(self.count) / self.rate
 
 
 class CurveReader:
-    """Reads the channels of one animation; key times, which channels share, are kept as far as they are few."""
+    """Reads the channels of one animation; caches key times, which channels share, up to a size limit."""
 
     def __init__(self, accessors: Accessors, size: int) -> None:
-        """`size` is that of the file in bytes."""
+        """`size` is the file size in bytes."""
         self._accessors = accessors
         self._times: dict[int, Float64] = {}
         self._room = 1_000_000 + size // 4
 
     def frames(self, channels: list[Channel]) -> Frames:
-        """From the first key to the last of all channels, at the rate of the one with most keys."""
+        """Return frame times from the first to the last key of all channels, at the rate of the channel with most keys."""
         start, end, longest = np.inf, -np.inf, np.empty(0)
         for channel in channels:
             keys = self._key_times(channel)
@@ -179,7 +176,7 @@ class CurveReader:
         return Frames(start, rate, round((end - start) * rate) + 1)
 
     def curve(self, channel: Channel) -> Curve:
-        """Keys and interpolation of a channel; raises MotionFileError for what cannot be."""
+        """Return keys and interpolation of a channel; raises MotionFileError for invalid data."""
         times, sampler = self._key_times(channel), channel.sampler
         said = sampler.text("interpolation", "LINEAR")
         way = next((known for known in _INTERPOLATIONS if known == said), None)

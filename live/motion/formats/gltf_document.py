@@ -1,9 +1,7 @@
-"""The outside of a glTF file: a GLB's chunks or a JSON text, parsed within bounds (glTF 2.0 specification, section 4).
+"""Parser for the container of a glTF file: GLB chunks or JSON, within size limits (glTF 2.0 specification, section 4).
 
-pygltflib builds an object for whatever a file says there is, so a small hostile file costs it gigabytes; files that
-people bring are read here, and pygltflib writes ours.
-
-JsonPlace: one object of a glTF file's JSON that knows where it stands, so that every complaint names the place.
+pygltflib builds an object for everything that a file declares, so a small hostile file can cost it gigabytes. External
+files are therefore read here; pygltflib only writes files.
 """
 
 import json
@@ -17,7 +15,7 @@ from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, sho
 
 MAGIC: Final = b"glTF"
 VALUE_LIMIT: Final = 1_000_000
-"""Objects, arrays and elements of the JSON at most: each may cost 150 bytes of memory."""
+"""Maximum number of objects, arrays and elements in the JSON: each may cost 150 bytes of memory."""
 _JSON: Final = 0x4E4F534A
 _BIN: Final = 0x004E4942
 
@@ -34,7 +32,7 @@ class GltfFile:
 
 
 def open_gltf(data: bytes, file: str) -> GltfFile:
-    """Take a .glb, .vrm, .vrma or .gltf file apart; raises MotionFileError for whatever else it may be."""
+    """Parse a .glb, .vrm, .vrma or .gltf file; raises MotionFileError for any other content."""
     if data[:4] == MAGIC:
         text, chunk = _chunks(data, file)
     else:
@@ -52,7 +50,7 @@ def open_gltf(data: bytes, file: str) -> GltfFile:
 
 
 def _chunks(data: bytes, file: str) -> tuple[memoryview, memoryview | None]:
-    """The JSON chunk and the binary one; chunks of other kinds are passed over as the specification says."""
+    """Return the JSON chunk and the binary chunk; other chunks are ignored, as specified."""
     if len(data) < 20:
         raise MotionFileError(file, None, f"the file ends after {len(data)} bytes", "a GLB header expected")
     _, version, length = struct.unpack_from("<4sII", data)
@@ -70,7 +68,7 @@ def _chunks(data: bytes, file: str) -> tuple[memoryview, memoryview | None]:
         place += 8
         if place + size > length:
             raise MotionFileError(
-                file, None, f"the chunk at byte {place - 8} of {size} bytes goes beyond the end", "copy it again"
+                file, None, f"the chunk at byte {place - 8} of {size} bytes extends past the end", "copy it again"
             )
         if kind == _JSON and text is None:
             text = view[place : place + size]
@@ -106,12 +104,12 @@ def _parse_json(text: bytes, file: str) -> dict[str, Any]:
     except ValueError:  # a number of thousands of digits
         raise MotionFileError(file, None, "a number in the JSON is too long", "a glTF file expected") from None
     if not isinstance(content, dict):
-        raise MotionFileError(file, None, "the JSON is no object", "a glTF file expected")
+        raise MotionFileError(file, None, "the JSON is not an object", "a glTF file expected")
     return content
 
 
 class JsonPlace:
-    """Typed access to one JSON object; whatever is missing or of another kind is a MotionFileError."""
+    """Typed access to one JSON object and its path in the file; missing or mistyped values raise MotionFileError."""
 
     def __init__(self, value: Any, where: str, file: str) -> None:
         self.where, self.file = where, file
@@ -120,7 +118,7 @@ class JsonPlace:
         self._value: dict[str, Any] = value
 
     def error(self, key: str, problem: str, expected: str) -> MotionFileError:
-        """A complaint about `key` of this object (about the object itself if it is empty)."""
+        """Return an error about `key` of this object (about the object itself if `key` is empty)."""
         place = ".".join(part for part in (self.where, key) if part) or "the file"
         return MotionFileError(self.file, None, f"{place} {problem}", expected)
 
@@ -129,49 +127,49 @@ class JsonPlace:
         return key in self._value
 
     def names(self) -> list[str]:
-        """All keys in the order of the file."""
+        """Return all keys in file order."""
         return list(self._value)
 
     def text(self, key: str, default: str = "") -> str:
-        """A text; what is no text counts as not given (names are only for people)."""
+        """Return a string; other types count as missing (names are only for display)."""
         value = self._value.get(key, default)
         return value if isinstance(value, str) else default
 
     def object(self, key: str) -> "JsonPlace":
-        """The object under `key`."""
+        """Return the object under `key`."""
         if key not in self._value:
             raise self.error(key, "is missing", "an object expected")
         return JsonPlace(self._value[key], ".".join(part for part in (self.where, key) if part), self.file)
 
     def length(self, key: str) -> int:
-        """Number of elements of the array under `key`; 0 where there is none."""
+        """Return the length of the array under `key`; 0 if there is none."""
         value = self._value.get(key, [])
         if not isinstance(value, list):
             raise self.error(key, f"is {_kind(value)}", "an array expected")
         return len(value)
 
     def element(self, key: str, index: int) -> "JsonPlace":
-        """One object of an array of objects."""
+        """Return one object of an array of objects."""
         count = self.length(key)
         if not 0 <= index < count:
-            raise self.error(key, f"has {count} elements and no number {index}", "a file whose references fit expected")
+            raise self.error(key, f"has {count} elements and no number {index}", "a file with valid references expected")
         place = f"{self.where}.{key}" if self.where else key
         return JsonPlace(self._value[key][index], f"{place}[{index}]", self.file)
 
     def elements(self, key: str) -> "Iterator[JsonPlace]":
-        """All objects of an array of objects, none where there is no such array."""
+        """Yield all objects of an array of objects; none if the array is missing."""
         for index in range(self.length(key)):
             yield self.element(key, index)
 
     def whole(self, key: str, default: int | None = None, *, below: int) -> int:
-        """A whole number of at least 0 and less than `below`."""
+        """Return an integer of at least 0 and less than `below`."""
         value = self._value.get(key, default)
         if value is None:
             raise self.error(key, "is missing", "a whole number expected")
         return self._whole(value, key, below)
 
     def wholes(self, key: str, *, below: int) -> list[int]:
-        """An array of whole numbers, each at least 0 and less than `below`; empty where there is none."""
+        """Return an array of integers, each at least 0 and less than `below`; empty if missing."""
         self.length(key)
         return [self._whole(value, f"{key}[{n}]", below) for n, value in enumerate(self._value.get(key, []))]
 
@@ -186,7 +184,7 @@ class JsonPlace:
         return value
 
     def numbers(self, key: str, count: int, default: tuple[float, ...]) -> tuple[float, ...]:
-        """An array of `count` finite numbers."""
+        """Return an array of `count` finite numbers."""
         if key not in self._value:
             return default
         value = self._value[key]
@@ -200,7 +198,7 @@ class JsonPlace:
         return tuple(float(number) for number in value)
 
     def number(self, key: str, default: float) -> float:
-        """One finite number."""
+        """Return one finite number."""
         value = self._value.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(key, f"is {_kind(value)}", "a number expected")
@@ -209,12 +207,12 @@ class JsonPlace:
         return float(value)
 
     def texts(self, key: str) -> list[str]:
-        """The texts of an array; empty where there is none."""
+        """Return the strings of an array; empty if missing."""
         value = self._value.get(key, [])
         return [one for one in value if isinstance(one, str)] if isinstance(value, list) else []
 
     def flag(self, key: str) -> bool:
-        """Whether the key is there and true."""
+        """Whether the key is present and true."""
         return self._value.get(key) is True
 
 

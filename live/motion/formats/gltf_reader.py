@@ -1,6 +1,7 @@
-"""glTF, GLB and VRM animations as recordings: nodes to joints, channels to frames, scales folded into the bones.
+"""Reader for glTF, GLB and VRM animations.
 
-Joints relative to their parent joints: chains of nodes put together, scales folded into the translations.
+Nodes become joints relative to their parent joints: chains of nodes are composed, and scales are folded into the
+translations. Channels are sampled at one frame rate.
 """
 
 from dataclasses import dataclass
@@ -34,18 +35,18 @@ _IDENTITY: Final = np.array((1.0, 0.0, 0.0, 0.0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """Where the last node of a chain is, seen from above the first, over T frames."""
+    """Transform of the last node of a chain relative to the parent of the first, over T frames."""
 
     translation: Float
-    """In metres of the world, shape (T, 3)."""
+    """In world metres, shape (T, 3)."""
     rotation: Float
     """Unit quaternions, shape (T, 4)."""
     scale: float
-    """Of everything above the last node and of itself: metres of the world per unit below it."""
+    """Accumulated scale including the last node: world metres per unit below it."""
 
 
 class LocalMotion:
-    """Chains of `nodes` as one animation moves them; a scale is one factor, which must not change."""
+    """Transforms of node chains under one animation; each scale is one constant factor."""
 
     def __init__(
         self,
@@ -55,21 +56,21 @@ class LocalMotion:
         used: set[int],
         carrying: set[int],
     ) -> None:
-        """`channels` by node and path; `used` are the nodes of all chains, `carrying` those with a joint below."""
+        """`channels` by node and path; `used` are the nodes of all chains, `carrying` those with a joint below them."""
         self._nodes, self._curves, self._channels = nodes, curves, channels
         self.warnings: list[str] = []
         self._rests = {node: self._rest(node, node in carrying) for node in sorted(used)}
 
     def at_rest(self, chain: list[int], scale: float) -> Chain:
-        """The chain in the rest pose, T = 1; `scale` is that of everything above it."""
+        """Return the chain in the rest pose, T = 1; `scale` is the accumulated scale above it."""
         return self._compose(chain, scale, {}, np.zeros(1))
 
     def at(self, chain: list[int], scale: float, times: Float64) -> Chain:
-        """The chain at `times` (T,) [s]."""
+        """Return the chain at `times` (T,) [s]."""
         return self._compose(chain, scale, self._channels, times)
 
     def _rest(self, node: int, carries: bool) -> NodeRest:
-        """The node at rest; where its scale is animated, the scale of the animation."""
+        """Return the node's rest transform; an animated scale replaces its scale."""
         rest = self._nodes.rest(node)
         scale, name = rest.scale, repr(self._nodes.name(node))
         channel = self._channels.get((node, "scale"))
@@ -79,9 +80,9 @@ class LocalMotion:
                 raise channel.place.error("", f"scales {name} to nothing", "factors above zero expected")
             scale = np.median(values, axis=0)
             if carries and not all(is_even(column) for column in values.T):
-                self.warnings.append(f"the scale of {name} changes: its middle value is used")
+                self.warnings.append(f"the scale of {name} changes: its median is used")
         if carries and not is_even(scale):
-            self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, its bones are off")
+            self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, its bones are inexact")
         return NodeRest(rest.translation, rest.rotation, scale)
 
     def _compose(
@@ -104,21 +105,21 @@ Array = TypeVar("Array", npt.NDArray[np.float64], npt.NDArray[np.int32])
 
 SHOWN_NAMES: Final = 6
 _ROOM: Final = 32_000_000
-"""Bytes that the frames may take in any case; more for larger files."""
+"""Memory [bytes] always allowed for the frames; more for larger files."""
 _HALF_TURN: Final = np.array((0.0, 0.0, 1.0, 0.0))
 
 
 def parse_gltf(data: bytes, file: str, resolve: Resolve | None = None) -> SourceMotion:
-    """Read a .glb, .gltf, .vrm or .vrma file with an animation; `file` is its name for messages.
+    """Parse a .glb, .gltf, .vrm or .vrma file with an animation; `file` is its name for messages.
 
-    Units are metres and Y is up by the format. Joints are the humanoid bones of a VRM (under their VRM names, so that
-    nothing has to be guessed), else the joints of the skin that moves most, else the nodes that move. What lies between
-    and above them is folded in, with its scale; VRM 0.x is turned about, for its models face -z. All channels are read
-    at one rate, that of the keys. The rest pose is that of the skin's inverse bind matrices, else that of the nodes.
+    Units are metres and Y is up by the format. Joints are the humanoid bones of a VRM (under their VRM names), else
+    the joints of the skin that moves most, else the animated nodes. Nodes between and above them are folded in with
+    their scale. VRM 0.x models face -z and are turned by 180°. All channels are sampled at one rate, that of the keys.
+    The rest pose is that of the skin's inverse bind matrices, else that of the nodes.
 
-    `resolve` gives the content of a file beside this one, by its bare name (a .gltf with its .bin); without it one
-    file is expected. Raises MotionFileError (and nothing else) for whatever else the data may be; memory is bounded by
-    64 MB + 20 times the data.
+    `resolve` returns the content of a file next to this one by its bare name (a .gltf with its .bin); without it one
+    file is expected. Raises only MotionFileError for any other content; memory is bounded by 64 MB + 20 times the
+    data.
     """
     try:
         return _Reader(open_gltf(data, file), resolve).read()
@@ -136,12 +137,12 @@ class _Reader:
         self._warnings: list[str] = []
 
     def read(self) -> SourceMotion:
-        """The animation with most channels on the dancer."""
+        """Return the animation with most channels on the dancer's joints."""
         animations = list_animations(self._root, self._nodes)
         animated = {c.node for animation in animations for c in animation.channels if c.path != "scale"}
         if not animated:
             what = "an avatar (meshes and bones)" if self._root.length("skins") else "a model"
-            remedy = "export it with its animation, or take this avatar's motion file (.vrma, .bvh, .glb)"
+            remedy = "export it with its animation, or use this avatar's motion file (.vrma, .bvh, .glb)"
             raise MotionFileError(self._gltf.file, None, f"{what} without an animation that moves a joint", remedy)
         figure = find_figure(self._root, self._nodes, animated)
         self._warnings += figure.warnings
@@ -162,12 +163,12 @@ class _Reader:
             names += f" and {len(others) - SHOWN_NAMES} more" if len(others) > SHOWN_NAMES else ""
             self._warnings.append(
                 f"{len(others) + 1} animations: {shown(animations[best].name)} moves most joints and is read, "
-                f"not {names}; to take another, export it alone"
+                f"not {names}; to use another, export it alone"
             )
         return animations[best]
 
     def _chains(self, figure: Figure) -> list[list[int]]:
-        """For each joint the nodes from below its parent joint (for the root: from the top) down to itself."""
+        """Return for each joint the nodes from below its parent joint (for the root: from the top) down to itself."""
         chosen = set(figure.joints)
         chains = []
         for joint in figure.joints:
@@ -235,7 +236,7 @@ class _Reader:
     def _check_size(self, frames: Frames, joints: int) -> None:
         if frames.count * (56 * joints + 400) > _ROOM + 12 * self._gltf.size:
             words = (
-                f"{frames.count} frames ({frames.rate:g} per second) of {joints} joints out of {self._gltf.size} bytes"
+                f"{frames.count} frames ({frames.rate:g} per second) of {joints} joints from {self._gltf.size} bytes"
             )
             raise MotionFileError(self._gltf.file, None, words, "a shorter animation expected; cut it into pieces")
 

@@ -1,8 +1,7 @@
-"""The nodes of a glTF file: who hangs on whom, where each rests, and which of them are joints of the dancer.
+"""The node tree of a glTF file, and which of its nodes are the dancer's joints.
 
-Which nodes of a glTF file are the dancer's joints: a VRM's humanoid bones, a skin's joints, or what moves.
-
-The rest pose that a skin was made in: a better one than the nodes' own, which is whatever pose was exported.
+Joints are a VRM's humanoid bones, a skin's joints, or the animated nodes. The rest pose is the bind pose of the skin if
+there is one, because the nodes hold whichever pose was exported.
 """
 
 from dataclasses import dataclass
@@ -20,12 +19,12 @@ Float = npt.NDArray[np.floating]
 
 NODE_LIMIT: Final = 20_000
 UNEVEN: Final = 0.01
-"""Part by which the three factors of a scale may differ and still count as one."""
+"""Relative difference up to which the three factors of a scale count as equal."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NodeRest:
-    """A node's own transformation as the file rests: scaled, then turned, then moved."""
+    """A node's local rest transform: scale, then rotation, then translation."""
 
     translation: Float
     """Shape (3,) [m]."""
@@ -36,7 +35,7 @@ class NodeRest:
 
 
 class Nodes:
-    """The node tree of a file, checked: every node has at most one parent, and there are no circles."""
+    """The validated node tree of a file: every node has at most one parent, and there are no cycles."""
 
     def __init__(self, root: JsonPlace) -> None:
         self._root = root
@@ -49,7 +48,7 @@ class Nodes:
             self.children.append(node.wholes("children", below=self.count))
             for child in self.children[-1]:
                 if self.parents[child] >= 0:
-                    raise node.error("children", f"names node {child}, which has a parent already", "a tree expected")
+                    raise node.error("children", f"names node {child}, which already has a parent", "a tree expected")
                 self.parents[child] = index
         self.order = self._parents_first()
 
@@ -61,19 +60,19 @@ class Nodes:
             waiting += self.children[order[-1]][::-1]
         if len(order) < self.count:
             lost = sorted(set(range(self.count)) - set(order))[0]
-            raise self._root.error("nodes", f"hang on each other in a circle (node {lost})", "a tree expected")
+            raise self._root.error("nodes", f"form a cycle (node {lost})", "a tree expected")
         return order
 
     def place(self, node: int) -> JsonPlace:
-        """The JSON of one node."""
+        """Return the JSON object of one node."""
         return self._root.element("nodes", node)
 
     def name(self, node: int) -> str:
-        """Its name, or its number if it has none; on one line and of reasonable length."""
+        """Return the node's name, or its number if it has none; one line of at most 200 characters."""
         return " ".join(self.place(node).text("name").split())[:200] or f"node {node}"
 
     def below(self, tops: set[int]) -> set[int]:
-        """These nodes and all that hang on them."""
+        """Return these nodes and all their descendants."""
         found = set(tops)
         waiting = list(tops)
         while waiting:
@@ -83,7 +82,7 @@ class Nodes:
         return found
 
     def common(self, nodes: list[int]) -> int | None:
-        """The lowest node that is one of `nodes` or above, for all of them; None if they hang on different roots."""
+        """Return the lowest common ancestor of `nodes`, itself one of them if possible; None if their roots differ."""
         wanted = set(nodes)
         below = [0] * self.count
         for node in reversed(self.order):
@@ -95,7 +94,7 @@ class Nodes:
         return None
 
     def rest(self, node: int) -> NodeRest:
-        """Its resting transformation, whether written as a matrix or as its three parts."""
+        """Return the node's rest transform, from its matrix or its three parts."""
         place = self.place(node)
         if place.has("matrix"):
             return _of_matrix(place)
@@ -110,7 +109,7 @@ class Nodes:
 
 
 def _of_matrix(place: JsonPlace) -> NodeRest:
-    """Translation, rotation and scale of a matrix (column by column in the file); shear is refused."""
+    """Return translation, rotation and scale of a matrix (column-major in the file); shear is refused."""
     matrix = np.array(place.numbers("matrix", 16, ())).reshape(4, 4).T
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     if not (scale > 1e-9).all() or np.linalg.det(matrix[:3, :3] / scale) < 0.9:
@@ -120,12 +119,12 @@ def _of_matrix(place: JsonPlace) -> NodeRest:
 
 
 def even(scale: Float) -> float:
-    """One factor in place of three: their geometric mean."""
+    """Return the geometric mean of the three factors."""
     return float(np.exp(np.mean(np.log(scale))))
 
 
 def is_even(scale: Float) -> bool:
-    """Whether the three factors are the same within 1 %."""
+    """Whether the three factors are equal within 1 %."""
     return bool(scale.max() <= scale.min() * (1.0 + UNEVEN))
 
 
@@ -139,20 +138,20 @@ class Figure:
     """The dancer among the nodes of a file."""
 
     joints: tuple[int, ...]
-    """Nodes that are joints, parents first, the root first; the root has all others below it."""
+    """Nodes that are joints, root first, parents before children; the root is an ancestor of all others."""
     names: tuple[str, ...]
-    """Their names: the humanoid bones' in a VRM (the engine's own words), else the nodes'."""
+    """Their names: humanoid bone names in a VRM (those of the engine), else node names."""
     ends: tuple[tuple[int, int], ...]
-    """Leaf nodes that only mark where a bone ends, as (joint's place in `joints`, node)."""
+    """Leaf nodes that only mark the end of a bone, as (index in `joints`, node)."""
     skin: int | None
-    """The skin whose bind pose is the rest pose; None for a VRM (its nodes rest in T-pose) and without skins."""
+    """The skin whose bind pose is the rest pose; None for a VRM (its nodes are in T-pose) and without skins."""
     faces_back: bool
     """True for VRM 0.x, whose models face -z."""
     warnings: tuple[str, ...]
 
 
 def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
-    """The dancer: the humanoid of a VRM or VRMA file, else the skeleton with most `animated` joints.
+    """Return the dancer: the humanoid of a VRM or VRMA file, else the skeleton with most `animated` joints.
 
     Raises MotionFileError if nothing is animated or if there are more than 1000 joints.
     """
@@ -165,7 +164,7 @@ def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
         chosen, skin = _skeleton(root, nodes, animated, warnings)
     top = nodes.common(sorted(chosen))
     if top is None:
-        raise root.error("nodes", "with motion do not hang together", "one figure (armature) expected")
+        raise root.error("nodes", "with motion are not in one tree", "one figure (armature) expected")
     chosen.add(top)
     joints = [node for node in nodes.order if node in chosen]
     if len(joints) > JOINT_LIMIT:
@@ -187,7 +186,7 @@ def _marks_end(nodes: Nodes, node: int) -> bool:
 
 
 def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
-    """Node → humanoid bone, and whether the model faces -z; empty for a file that is no VRM."""
+    """Return node → humanoid bone, and whether the model faces -z; empty if the file is not a VRM."""
     if not root.has("extensions"):
         return {}, False
     extensions = root.object("extensions")
@@ -204,7 +203,10 @@ def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
 
 
 def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[str]) -> tuple[set[int], int | None]:
-    """Joints of the skin with most animated joints (and its number) and of all below; without skins all that moves."""
+    """Return the joints of the skin with most animated joints and of skins below it, and its index.
+
+    Without skins: all animated nodes, and None.
+    """
     skins = [skin.wholes("joints", below=nodes.count) for skin in root.elements("skins")]
     scores = [len(animated.intersection(joints)) for joints in skins]
     if not any(scores):
@@ -228,7 +230,7 @@ def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[
 
 
 def _moving_tree(root: JsonPlace, nodes: Nodes, animated: set[int]) -> set[int]:
-    """Without skins: of the tree with most animated nodes these and all below them, meshes and cameras left out."""
+    """Return the animated nodes of the tree with most of them, and all nodes below, without meshes and cameras."""
     if not animated:
         raise MotionFileError(root.file, None, "no node is animated", "a file with a recorded motion expected")
     trees = [nodes.below({top}) & animated for top in nodes.order if nodes.parents[top] < 0]
@@ -239,7 +241,7 @@ def _moving_tree(root: JsonPlace, nodes: Nodes, animated: set[int]) -> set[int]:
 
 
 def _unlike(names: list[str], keep: set[str]) -> list[str]:
-    """Names of which no two are alike: later ones get a number; those in `keep` are theirs alone."""
+    """Return unique names: duplicates get a number; names in `keep` are never changed."""
     taken = set(keep)
     result = []
     for name in names:
@@ -258,14 +260,14 @@ def _unlike(names: list[str], keep: set[str]) -> list[str]:
 Float64 = npt.NDArray[np.float64]
 
 SKEWED: Final = 0.05
-"""Where a bind matrix is further than this from rotation times one factor, it is passed over."""
+"""A bind matrix that deviates more than this from a uniformly scaled rotation is ignored."""
 
 
 def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> dict[int, Float]:
-    """World rotation of each joint node when the skin was bound, quaternions (4,); empty where the skin says nothing.
+    """Return the world rotation of each joint node in the bind pose, quaternions (4,); empty without bind matrices.
 
-    The inverse of an inverse bind matrix is where the joint was in the mesh's space; what turns that space as a whole
-    is left out, and does not matter to what compares a pose with its own rest pose.
+    The inverse of an inverse bind matrix is the joint's transform in mesh space. The rotation of mesh space itself is
+    ignored; it does not matter when a pose is compared with its own rest pose.
     """
     if not skin.has("inverseBindMatrices"):
         return {}
@@ -275,7 +277,7 @@ def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> 
         raise skin.error("inverseBindMatrices", words, "one for each joint expected")
     found: dict[int, Float] = {}
     for joint, numbers in zip(joints, matrices, strict=False):
-        columns = numbers.reshape(4, 4)[:3, :3]  # the file holds column after column: the rows here are columns
+        columns = numbers.reshape(4, 4)[:3, :3]  # column-major in the file: the rows here are columns
         size = np.cbrt(np.linalg.det(columns))
         if size > 1e-9 and np.abs(columns @ columns.T / size**2 - np.eye(3)).max() < SKEWED:
             turn = quaternion.from_columns(*quaternion.unit(columns))
@@ -284,9 +286,9 @@ def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> 
 
 
 def rest_rotations(parents: list[int], nodes: Float64, bound: list[Float | None]) -> Float64:
-    """Local rotations of the rest pose, (J, 4): those of the skin where it knows them, else those of the nodes.
+    """Return the local rotations of the rest pose, (J, 4): those of the skin if known, else those of the nodes.
 
-    `nodes` (J, 4) are the nodes' own local rotations, `bound` the skin's world rotations; parents come first.
+    `nodes` (J, 4) are the nodes' local rotations, `bound` the skin's world rotations; parents come first.
     """
     world = np.empty_like(nodes)
     local = np.empty_like(nodes)

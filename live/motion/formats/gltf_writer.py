@@ -1,7 +1,4 @@
-"""Clips as GLB files: joints under their VRM names, a skin with a figure of bones, one animation (glTF 2.0).
-
-A figure of bones for files: a spindle from each joint to the next, so that a viewer shows something.
-"""
+"""Writer for GLB files: joints under VRM names, a skinned mesh of bone-shaped spindles, one animation (glTF 2.0)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,9 +12,9 @@ from live.motion.clip import Clip, resample
 from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
 
 _BELLY: Final = 0.2
-"""Part of the bone's length at which it is thickest."""
+"""Fraction of the bone's length at which the spindle is thickest."""
 _THICKNESS: Final = 0.14
-"""Half its width there as a part of its length."""
+"""Half of its width there as a fraction of its length."""
 _FACES: Final = np.array(
     ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1), (5, 2, 1), (5, 3, 2), (5, 4, 3), (5, 1, 4)), np.int64
 )
@@ -26,14 +23,14 @@ _FACES: Final = np.array(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoneFigure:
-    """V corners of triangles in the rest pose, each moved by one joint alone; faces are flat, so none are shared."""
+    """V triangle corners in the rest pose, each bound to one joint; faces are flat-shaded, so corners are not shared."""
 
     positions: npt.NDArray[np.float32]
     """[m], shape (V, 3)."""
     normals: npt.NDArray[np.float32]
     """Unit, shape (V, 3)."""
     joints: npt.NDArray[np.uint8]
-    """The joint that moves the corner, then three unused, shape (V, 4)."""
+    """The joint of the corner, then three unused, shape (V, 4)."""
     weights: npt.NDArray[np.float32]
     """1 for the first, shape (V, 4)."""
     indices: npt.NDArray[np.uint16]
@@ -41,7 +38,7 @@ class BoneFigure:
 
 
 def bone_figure() -> BoneFigure:
-    """Spindles for all bones of the engine's skeleton, tips of head, hands and toes among them."""
+    """Return spindles for all bones of the engine's skeleton, including the tips of head, hands and toes."""
     rest = SKELETON.rest_positions().astype(np.float64)
     bones = [(int(SKELETON.parents[joint]), rest[joint]) for joint in range(1, SKELETON.joint_count)]
     bones += [(joint, rest[joint] + tip) for joint, tip in BONE_TIPS.items()]
@@ -62,7 +59,7 @@ def bone_figure() -> BoneFigure:
 
 
 def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Six points: the start, four about the belly, the end."""
+    """Return six points: the start, four around the thickest part, the end."""
     along = end - start
     length = float(np.linalg.norm(along))
     turn = quaternion.from_two_vectors(np.array((0.0, 1.0, 0.0)), along)
@@ -72,21 +69,20 @@ def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> np
 
 
 FRAME_RATE: Final = 60.0
-"""Keys per second of the files that the engine writes."""
+"""Keys per second in written files."""
 GENERATOR: Final = "ChoreoGraphics Live"
 _KINDS: Final = {1: gltf.SCALAR, 3: gltf.VEC3, 4: gltf.VEC4, 16: gltf.MAT4}
 _COMPONENTS: Final = {"f4": gltf.FLOAT, "u1": gltf.UNSIGNED_BYTE, "u2": gltf.UNSIGNED_SHORT}
 
 
 def write_glb(clip: Clip, *, rate: float | None = FRAME_RATE) -> bytes:
-    """A GLB file of the clip, `rate` keys per second (None: one key per sample of the clip).
+    """Return the clip as a GLB file, `rate` keys per second (None: one key per sample of the clip).
 
-    Metres, Y up, +z ahead, as glTF and the engine have it. What programs rely on: nodes rest in the T-pose without
-    rotations, and the inverse bind matrices say the same; the skin lists every joint, all below one root; the skinned
-    mesh is no child of a joint; times ascend from 0 and say their least and largest value; all data lie on multiples
-    of four bytes. Blender makes an armature of the skin, keeps the names, and turns Y up to its Z up; its keys lie at
-    the right seconds, whatever the scene's frame rate. VRMC_vrm_animation says which joint is which humanoid bone, so
-    that the file under the name .vrma moves any VRM avatar.
+    Metres, Y up, +z forward, as in glTF and the engine. For compatibility: nodes rest in the T-pose without rotations,
+    and the inverse bind matrices agree; the skin lists every joint, all below one root; the skinned mesh is not a
+    child of a joint; times ascend from 0 with min and max given; all data are aligned to four bytes. Blender makes an
+    armature of the skin, keeps the names, and converts to Z up; its keys have the right times at any scene frame rate.
+    VRMC_vrm_animation maps joints to humanoid bones, so the file renamed to .vrma animates any VRM avatar.
     """
     if rate is not None:
         clip = resample(clip, rate)
@@ -128,7 +124,7 @@ def write_glb(clip: Clip, *, rate: float | None = FRAME_RATE) -> bytes:
 
 
 class _Buffer:
-    """The binary chunk as it grows: each array gets a view and an accessor of its own."""
+    """The growing binary chunk: each array gets a separate view and accessor."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -136,7 +132,7 @@ class _Buffer:
         self.accessors: list[gltf.Accessor] = []
 
     def add(self, array: npt.NDArray[np.generic], *, target: int | None = None, bounds: bool = False) -> int:
-        """Append an array (n,) or (n, width); the number of its accessor. `bounds` writes least and largest."""
+        """Append an array (n,) or (n, width) and return its accessor index. `bounds` writes min and max."""
         table = np.ascontiguousarray(array.reshape(len(array), -1))
         self.views.append(gltf.BufferView(buffer=0, byteOffset=len(self.data), byteLength=table.nbytes, target=target))
         self.data += table.tobytes()
@@ -155,7 +151,7 @@ class _Buffer:
 
 
 def _joints() -> list[gltf.Node]:
-    """The engine's skeleton in its rest pose; no rotation is the T-pose."""
+    """Return the engine's skeleton in its rest pose; without rotations this is the T-pose."""
     return [
         gltf.Node(
             name=name,
@@ -167,7 +163,7 @@ def _joints() -> list[gltf.Node]:
 
 
 def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
-    """From the mesh's space to the joints' in the rest pose, (J, 16) column by column."""
+    """Return the matrices from mesh space to joint space in the rest pose, (J, 16), column-major."""
     matrices = np.tile(np.eye(4, dtype=np.float32), (JOINT_COUNT, 1, 1))
     matrices[:, 3, :3] = -SKELETON.rest_positions()
     return matrices.reshape(JOINT_COUNT, 16)
@@ -186,7 +182,7 @@ def _mesh(buffer: _Buffer) -> gltf.Mesh:
 
 
 def _animation(clip: Clip, buffer: _Buffer) -> gltf.Animation:
-    """The hips' place and all rotations; one time array for all channels."""
+    """Return the hips' translation and all rotations as channels that share one time array."""
     times = buffer.add((np.arange(clip.sample_count) / clip.sample_rate).astype(np.float32), bounds=True)
     turns = quaternion.unit(quaternion.continuous(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
     outputs = [(0, gltf.TRANSLATION, clip.root_position)]

@@ -1,4 +1,4 @@
-"""NumPy archives (.npz) from strangers: no pickles, no zip bombs, nothing allocated that the file does not hold."""
+"""Safe reader for untrusted NumPy archives (.npz): no pickles, no zip bombs, bounded allocation."""
 
 import io
 import zipfile
@@ -15,19 +15,19 @@ Real = npt.NDArray[np.floating] | npt.NDArray[np.integer]
 
 MEMBER_LIMIT: Final = 1000
 _ROOM: Final = 16_000_000
-"""Bytes that an array may have in any case; more in larger files."""
+"""Bytes always allowed for an array; more in larger files."""
 _HEADER_LIMIT: Final = 10_000
 _PLAIN: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 def as_float64(array: Real) -> Float64:
-    """A copy as float64; NaN of every kind is kept and raises nothing."""
+    """Return a copy as float64; NaNs are kept without warnings."""
     with np.errstate(invalid="ignore"):
         return array.astype(np.float64)
 
 
 class Archive:
-    """The arrays of one archive by name; each is unpacked only when it is read, within bounds."""
+    """The arrays of one archive by name, unpacked on demand within size limits."""
 
     def __init__(self, data: bytes, file: str) -> None:
         self._file = file
@@ -45,7 +45,7 @@ class Archive:
 
     @property
     def keys(self) -> list[str]:
-        """Names of the arrays, short enough for messages."""
+        """Names of the arrays, shortened for messages."""
         return [key[:40] for key in self._members]
 
     def has(self, key: str) -> bool:
@@ -53,7 +53,7 @@ class Archive:
         return key in self._members
 
     def table(self, key: str, width: int, rows: int | None = None) -> Float64:
-        """An array of the shape (rows, width); any number of rows if `rows` is None."""
+        """Return an array of shape (rows, width); any number of rows if `rows` is None."""
         array = self.array(key)
         if array.ndim != 2 or array.shape[1] != width or (rows is not None and len(array) != rows):
             expected = f"({'frames' if rows is None else rows}, {width}) expected"
@@ -61,14 +61,14 @@ class Archive:
         return as_float64(array)
 
     def number(self, key: str) -> float:
-        """An array of one number."""
+        """Return the value of an array of one number."""
         array = self.array(key)
         if array.size != 1:
             raise MotionFileError(self._file, None, f"{key} has the shape {array.shape}", "one number expected")
         return float(array.reshape(()))
 
     def array(self, key: str) -> Real:
-        """The array as it is stored; raises MotionFileError if it is not there, or holds anything but real numbers."""
+        """Return the array as stored; raises MotionFileError if it is missing or holds other data than real numbers."""
         if key not in self._members:
             raise MotionFileError(self._file, None, f"there is no array {key!r}", f"arrays there: {self.keys[:8]}")
         content = self._unpack(key, self._members[key])
@@ -80,7 +80,7 @@ class Archive:
                 (2, 0): np.lib.format.read_array_header_2_0,
             }[version]
             shape, columns_first, dtype = read_header(stream, _HEADER_LIMIT)
-        except Exception:  # the header is a Python expression: whatever can go wrong in one
+        except Exception:  # the header is a Python expression, which can fail in many ways
             raise MotionFileError(self._file, None, f"{key} is no NumPy array", "a file saved by numpy.savez") from None
         if dtype.kind not in "fiu" or dtype.itemsize > 8:
             raise MotionFileError(
@@ -97,9 +97,9 @@ class Archive:
         return array.reshape(shape, order="F" if columns_first else "C")
 
     def _unpack(self, key: str, member: zipfile.ZipInfo) -> bytes:
-        """The member's bytes; never more than its directory entry says, and that is checked before."""
+        """Return the member's bytes; its size is checked first and never exceeded."""
         if member.compress_type not in _PLAIN or member.flag_bits & 1:
-            raise MotionFileError(self._file, None, f"{key} is encrypted or packed oddly", "save it with numpy.savez")
+            raise MotionFileError(self._file, None, f"{key} is encrypted or uses an unsupported compression", "save it with numpy.savez")
         if member.file_size > self._limit:
             words = f"{key} has {member.file_size} bytes unpacked"
             raise MotionFileError(self._file, None, words, f"at most {self._limit} in a file of this size expected")

@@ -1,6 +1,6 @@
-"""What a motion file may not say: which axis is up, how long a unit is.
+"""Detection of the up axis and the length unit of a motion file that does not state them.
 
-Both are decided by plausibility: people mostly stand upright, and are 1.2 to 2.2 m tall.
+Both are decided by plausibility: people mostly stand upright and are 1.2 to 2.2 m tall.
 """
 
 import math
@@ -21,13 +21,13 @@ ENGINE_LEG: Final = float(
 )
 """Length of the engine's leg from hip to ankle [m]."""
 BODY_HEIGHT_RANGE: Final = (1.2, 2.2)
-"""Heights [m] that are believed."""
+"""Plausible body heights [m]."""
 UNITS: Final = (1.0, 0.01, 0.1, 0.001, 0.0254, 0.3048, 0.0254 / 0.45)
-"""Metres per unit in use: m, cm, dm, mm, inch, foot, and the CMU's Acclaim unit (0.45 units to the inch)."""
+"""Usual metres per unit: m, cm, dm, mm, inch, foot, and the CMU's Acclaim unit (0.45 units per inch)."""
 
 
 def leg_length(body: SourceBody, positions: Float) -> float:
-    """Hip to ankle along the bones [file units], median over the frames and both sides; `positions` (T, J, 3)."""
+    """Return the leg length, hip to ankle along the bones [file units], median over the frames and both sides; `positions` (T, J, 3)."""
     lengths = []
     for side in ("left", "right"):
         hip, knee, ankle = (body.joint(side + name) for name in ("UpperLeg", "LowerLeg", "Foot"))
@@ -37,12 +37,12 @@ def leg_length(body: SourceBody, positions: Float) -> float:
 
 
 def body_height(leg: float) -> float:
-    """Height of a person with legs of this length from hip to ankle (same unit), by the engine's proportions."""
+    """Return the body height for this leg length from hip to ankle (same unit), by the engine's proportions."""
     return leg * BODY_HEIGHT / ENGINE_LEG
 
 
 def find_unit(leg: float) -> float | None:
-    """Metres per unit for which a person with legs of `leg` units is nearest to 1.7 m; None if none is believable."""
+    """Return the metres per unit that give a body height nearest to 1.7 m for `leg` units; None if none is plausible."""
     if not leg > 0.0:
         return None
     best = min(UNITS, key=lambda unit: abs(math.log(body_height(leg) * unit / BODY_HEIGHT)))
@@ -51,7 +51,7 @@ def find_unit(leg: float) -> float | None:
 
 
 def find_up(body: SourceBody, positions: Float) -> UpAxis | None:
-    """The axis along which the body stands most of the time; None if it lies or hangs; `positions` (T, J, 3)."""
+    """Return the axis along which the body stands most of the time; None if unclear; `positions` (T, J, 3)."""
     feet = 0.5 * (positions[:, body.joint("leftFoot")] + positions[:, body.joint("rightFoot")])
     shoulders = 0.5 * (positions[:, body.joint("leftUpperArm")] + positions[:, body.joint("rightUpperArm")])
     body_axis = shoulders - feet
@@ -63,6 +63,6 @@ def find_up(body: SourceBody, positions: Float) -> UpAxis | None:
 
 
 def standing_pose(motion: SourceMotion, body: SourceBody, up: UpAxis | None) -> tuple[WorldPose, UpAxis]:
-    """World pose in file units and axes, and the axis that points up: `up`, or what the format says, or found."""
+    """Return the world pose in file units and axes, and the up axis: `up`, else the format's, else detected."""
     world = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation))
     return world, up or motion.up or find_up(body, world.positions) or "Y"

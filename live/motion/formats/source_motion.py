@@ -1,7 +1,4 @@
-"""SourceMotion: what a motion file holds, whatever its format, before it is brought onto the engine's skeleton.
-
-A recording's joints in the world, on its own skeleton: forward kinematics in file units and axes (T164).
-"""
+"""The content of a motion file of any format before retargeting, and forward kinematics on its own skeleton (T164)."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -19,7 +16,7 @@ OffsetUse = Literal["zero", "add", "replace"]
 
 @dataclass(frozen=True, slots=True)
 class FileWarning:
-    """Something strange but usable in a motion file."""
+    """An anomaly in a motion file that does not prevent its use."""
 
     what: str
     line: int | None = None
@@ -30,36 +27,36 @@ class FileWarning:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SourceMotion:
-    """J joints (End Sites are not joints) over T frames, in the file's own units and axes; every format ends here."""
+    """J joints (End Sites are not joints) over T frames, in file units and axes; the result of every reader."""
 
     file: str
     names: tuple[str, ...]
     parents: Int32
-    """Parent of each joint, which always comes before it; -1 for the root, shape (J,)."""
+    """Parent of each joint, parents first; -1 for the root, shape (J,)."""
     offsets: Float64
     """From the parent to the joint in the rest pose, in the parent's rest axes [file units], shape (J, 3)."""
     end_parents: Int32
-    """Joint that carries each of the E End Sites, shape (E,)."""
+    """Parent joint of each of the E End Sites, shape (E,)."""
     end_offsets: Float64
     """From that joint to the End Site [file units], shape (E, 3)."""
     translation: Float64
-    """From the parent to the joint, in the parent's axes [file units], (T, J, 3); the root's is its place."""
+    """From the parent to the joint, in the parent's axes [file units], (T, J, 3); of the root its position."""
     rotation: Float64
     """Rotation of each joint relative to its parent, unit quaternions, shape (T, J, 4)."""
     rest_rotation: Float64 | None
-    """The same in the rest pose, (J, 4), where the format has one that is not the identity (glTF)."""
+    """The same in the rest pose, (J, 4), if the format has one other than the identity (glTF)."""
     frame_time: float
-    """Seconds per frame as the file says it (it may lie)."""
+    """Seconds per frame as the file states them (may be wrong)."""
     frames_declared: int
-    """Number of frames as the file says it (it may lie)."""
+    """Number of frames as the file states it (may be wrong)."""
     channel_count: int
-    """Numbers per frame that the file holds."""
+    """Numbers per frame in the file."""
     unit_m: float | None = None
-    """Metres per unit, where the format fixes it (glTF: 1); None where it must be found."""
+    """Metres per unit if the format fixes it (glTF: 1); None if it must be detected."""
     up: UpAxis | None = None
-    """The axis that points up, where the format fixes it; None where it must be found."""
+    """The up axis if the format fixes it; None if it must be detected."""
     root_offset: OffsetUse | None = None
-    """What was done with the OFFSET of the root; None where it cannot be told (then it was added)."""
+    """How the OFFSET of the root was used; None if undecided (then it was added)."""
     warnings: tuple[FileWarning, ...] = ()
 
     @property
@@ -69,12 +66,12 @@ class SourceMotion:
 
     @property
     def frame_count(self) -> int:
-        """Number of frames T that the file really holds."""
+        """Number of frames T in the file."""
         return int(self.rotation.shape[0])
 
     @property
     def header_fps(self) -> float:
-        """Frames per second as the file says it."""
+        """Frames per second as the file states them."""
         return 1.0 / self.frame_time
 
 
@@ -86,7 +83,7 @@ class LocalPose:
     """Every joint relative to its parent over T frames, in file units and axes."""
 
     translation: Float
-    """From the parent to the joint, in the parent's axes, shape (T, J, 3); the root's is its place in the world."""
+    """From the parent to the joint, in the parent's axes, shape (T, J, 3); of the root its world position."""
     rotation: Float
     """Unit quaternions, shape (T, J, 4)."""
 
@@ -102,7 +99,7 @@ class WorldPose:
 
 
 def world_pose(parents: Int32, local: LocalPose) -> WorldPose:
-    """Forward kinematics on the file's own skeleton: B = A + O_B R_A and so on (T164), over all frames at once."""
+    """Return the forward kinematics on the file's own skeleton: B = A + O_B R_A and so on (T164), over all frames at once."""
     frames, joints = local.rotation.shape[:2]
     positions, rotations = np.empty((joints, frames, 3)), np.empty((joints, frames, 4))
     for joint, parent in enumerate(parents):
@@ -116,13 +113,13 @@ def world_pose(parents: Int32, local: LocalPose) -> WorldPose:
 
 
 def end_positions(motion: SourceMotion, world: WorldPose) -> Float:
-    """World positions of the End Sites [file units], shape (T, E, 3)."""
+    """Return the world positions of the End Sites [file units], shape (T, E, 3)."""
     turned = quaternion.rotate(world.rotations[:, motion.end_parents], motion.end_offsets)
     return np.asarray(world.positions[:, motion.end_parents] + turned)
 
 
 def rest_pose(motion: SourceMotion) -> WorldPose:
-    """The rest pose as one frame, the root at the origin [file units]."""
+    """Return the rest pose as one frame, the root at the origin [file units]."""
     translation = np.array(motion.offsets, np.float64)[None]
     translation[:, 0] = 0.0
     if motion.rest_rotation is not None:

@@ -1,1 +1,1 @@
-"""A partner's dance generated from a leader's by example, offline (Hsu et al.). It may import what `motion` may."""
+"""Example-based offline synthesis of a partner's motion (Hsu et al.). Imports only what `motion` may."""

@@ -1,10 +1,8 @@
-"""The answer: what a reading copies of the followers' own motion, joined, with what is known of feet and hands.
+"""Follower's motion from a reading: units copied from the examples, joined, with foot and hand constraints.
 
-Units are read off the source clips, stretched, turned and moved as their clouds were (H013); contacts and holds come
-along (H014). Where two units meet, each is bent half of the way to the other (H015): linearly over the whole unit as
-published, or eased, so that velocities meet as well.
-
-What the examples' annotations demand of an answer: feet that stand, hands that hold (H014).
+Units are sampled from the source clips, time-scaled, rotated and moved as their clouds were (H013). Contacts and holds
+are copied too (H014) and enforced with IK. Where two units meet, each is bent halfway towards the other (H015):
+linearly over the whole unit as published, or eased, so that velocities match as well.
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +26,7 @@ Bool = npt.NDArray[np.bool_]
 Smoothing = Literal["none", "linear", "eased"]
 
 SETTLES: Final = 0.2
-"""Within so many seconds of a boundary the velocities' difference is gone (eased)."""
+"""Time from a boundary in which the difference of velocities is removed (eased) [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,19 +35,19 @@ class Answer:
 
     clip: Clip
     source: Float64
-    """For each sample the sample of its unit's recording that it is of, (T,)."""
+    """For each sample its source sample in the unit's recording, (T,)."""
     unit: npt.NDArray[np.int64]
-    """Which entry of the reading each sample is of, (T,)."""
+    """Index of each sample's unit in the reading, (T,)."""
     holds: tuple[Hold, ...]
-    """Hands held, in samples of the clip."""
+    """Hand holds, in samples of the clip."""
     boundaries: npt.NDArray[np.int64]
     """Samples at which units meet, (L - 1,)."""
 
 
 def answer(reading: Reading, units: Units, count: int, smoothing: Smoothing = "eased", name: str = "answer") -> Answer:
-    """The follower's `count` samples at the rate of the reading, which is that of the clips.
+    """Return `count` samples of the follower at the rate of the reading, which is that of the clips.
 
-    Before the first unit and after the last one their recordings go on.
+    Before the first unit and after the last one their recordings continue.
     """
     parts = [_unit_motion(reading, units, n, count) for n in range(reading.count)]
     if smoothing != "none":
@@ -70,7 +68,7 @@ def answer(reading: Reading, units: Units, count: int, smoothing: Smoothing = "e
 
 @dataclass(slots=True, eq=False)
 class _Part:
-    """The samples of one unit, the first of the next one among them, which both have."""
+    """The samples of one unit, including the first of the next one, which both share."""
 
     root: Float64
     rotation: Float64
@@ -78,9 +76,9 @@ class _Part:
     source: Float64
     kept: int
     begin: int
-    """Samples of it before its unit begins (only of the first)."""
+    """Samples before the unit begins (only in the first part)."""
     stop: int
-    """Place in it at which its unit ends."""
+    """Index of the sample at which the unit ends."""
 
 
 def _unit_motion(reading: Reading, units: Units, n: int, count: int) -> _Part:
@@ -103,9 +101,9 @@ def _unit_motion(reading: Reading, units: Units, n: int, count: int) -> _Part:
 
 
 def _join(parts: list[_Part], rate: float, smoothing: Smoothing) -> None:
-    """Bend neighbours half of the way to each other, in place."""
+    """Bend neighbours halfway towards each other, in place."""
     joints = parts[0].rotation.shape[1]
-    bend = [np.zeros((2, 2, 1 + joints, 3)) for _ in parts]  # begin/end, place/velocity, root and joints
+    bend = [np.zeros((2, 2, 1 + joints, 3)) for _ in parts]  # begin/end, offset/velocity, root and joints
     for n, (one, other) in enumerate(pairwise(parts)):
         gap = _difference(one, one.stop, other, other.begin)
         bend[n][1, 0], bend[n + 1][0, 0] = 0.5 * gap, -0.5 * gap
@@ -128,25 +126,25 @@ def _join(parts: list[_Part], rate: float, smoothing: Smoothing) -> None:
 
 
 def _settling(seconds: Float64) -> Float64:
-    """A curve from 0 with slope 1 that is back at 0, without slope, after SETTLES; [s], (T, 1, 1)."""
+    """Return a curve that starts at 0 with slope 1 and is 0 with slope 0 after SETTLES; [s], (T, 1, 1)."""
     t = np.clip(seconds / SETTLES, 0.0, 1.0)
     return np.asarray(SETTLES * t * (1.0 - t) ** 2)[:, None, None]
 
 
 def _difference(one: _Part, i: int, other: _Part, j: int) -> Float64:
-    """From sample i of one to sample j of the other: root and rotation vectors, (1 + J, 3)."""
+    """Return the difference from sample i of `one` to sample j of `other`: root and rotation vectors, (1 + J, 3)."""
     turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(one.rotation[i]), other.rotation[j]))
     return np.concatenate((other.root[j : j + 1] - one.root[i : i + 1], turn))
 
 
 def _step(part: _Part, at: int) -> Float64:
-    """From sample `at` to the next one."""
+    """Return the difference from sample `at` to the next one."""
     at = min(max(at, 0), len(part.root) - 2)
     return _difference(part, at, part, at + 1) if len(part.root) > 1 else np.zeros((1 + part.rotation.shape[1], 3))
 
 
 def _holds(reading: Reading, units: Units, count: int) -> tuple[Hold, ...]:
-    """The holds of the units in samples of the answer; what goes on over a boundary is one."""
+    """Return the holds of the units in samples of the answer. Holds that continue over a boundary are merged."""
     found: list[Hold] = []
     for n, unit in enumerate(reading.unit.tolist()):
         start, length = float(units.start[unit]), float(units.length[unit])
@@ -169,23 +167,23 @@ def _holds(reading: Reading, units: Units, count: int) -> tuple[Hold, ...]:
 
 
 PALM: Final = 0.09
-"""From the wrist to the middle of the palm [m]."""
+"""Distance from the wrist to the middle of the palm [m]."""
 TAKE: Final = 0.15
-"""Seconds in which a hand finds the other, before the hold, and lets go, after it."""
+"""Time to reach for the hand before the hold and to release it after [s]."""
 OUT_OF_REACH: Final = 0.25
-"""A hand that cannot come nearer to the other than this [m] is not stretched out for it."""
+"""A hand does not reach for a target that is farther than this beyond the arm's reach [m]."""
 _ARMS: Final = tuple(
     tuple(SKELETON.index(side + joint) for joint in ("UpperArm", "LowerArm", "Hand")) for side in ("left", "right")
 )
 
 
 def enforce_feet(clip: Clip) -> Clip:
-    """The clip with every foot held that its contacts say stands."""
+    """Return the clip with feet locked while they are in contact."""
     return lock_feet(clip)
 
 
 def palms(clip: Clip) -> Float64:
-    """Middles of the left and the right palm [m], (T, 2, 3)."""
+    """Return the middles of the left and right palm [m], (T, 2, 3)."""
     positions, rotations = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     hands = [arm[2] for arm in _ARMS]
     tip = quaternion.rotate(rotations[:, hands], np.array(((PALM, 0.0, 0.0), (-PALM, 0.0, 0.0))))
@@ -193,9 +191,9 @@ def palms(clip: Clip) -> Float64:
 
 
 def enforce_holds(follower: Clip, leader: Clip, holds: tuple[Hold, ...]) -> Clip:
-    """The follower with her palms in the leader's while `holds` say so; the leader stays as recorded.
+    """Return the follower with palms moved to the leader's during `holds`; the leader is unchanged.
 
-    Both clips have one rate and count. Arms bend in the plane in which the clip has them.
+    Both clips have the same rate and count. Arms bend in the plane in which the clip has them.
     """
     if not holds:
         return follower
@@ -231,12 +229,12 @@ def enforce_holds(follower: Clip, leader: Clip, holds: tuple[Hold, ...]) -> Clip
 
 
 def _length(positions: npt.NDArray[np.floating], palm: Float64, lower: int, side: int) -> float:
-    """From the elbow to the palm [m], with the wrist as the clip bends it at most."""
+    """Return the largest distance from elbow to palm in the clip [m]."""
     return float(np.linalg.norm(palm[:, side] - positions[:, lower], axis=-1).max())
 
 
 def hold_error(follower: Clip, leader: Clip, holds: tuple[Hold, ...]) -> float | None:
-    """Mean distance of palms that should hold each other [m]; None without any hold."""
+    """Return the mean distance of palms that should hold each other [m], None without holds."""
     own, other = palms(follower), palms(leader)
     samples = np.arange(follower.sample_count)
     apart = [

@@ -1,7 +1,7 @@
-"""The offline search: the row of units that reads the input best and lets its targets meet (H006-H010).
+"""Offline search for the sequence of units that fits the input best with continuous targets (H006-H010).
 
-All D and M of a block of boundaries come of products as of matrices (K003), in a kernel of our own: they are small, and
-the threads of a library for large ones would wait for each other. The recurrence runs in another.
+All D and M of a block of boundaries come from matrix products (K003). They run in our own kernel, because the matrices
+are too small for the threads of a BLAS library. The recurrence runs in a second kernel.
 """
 
 from dataclasses import dataclass
@@ -20,27 +20,27 @@ Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
 BLOCK: Final = 128
-"""Boundaries whose products are made at once."""
+"""Boundaries whose products are computed at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reading:
-    """An input read as L units, one after another."""
+    """An input read as a sequence of L units."""
 
     unit: Int64
-    """(L,)"""
+    """Index of each unit, (L,)."""
     start: Int64
     """Frame at which each begins, (L,)."""
     duration: Int64
-    """Frames, (L,): the next one begins where it ends."""
+    """Duration of each in frames, (L,): the next unit begins where it ends."""
     turn: Complex128
-    """M of each: rotation about the vertical as a unit number, (L,)."""
+    """M of each: rotation about the vertical as a unit complex number, (L,)."""
     shift: Complex128
-    """M of each: what is added after it [m], (L,)."""
+    """M of each: translation after the rotation [m], (L,)."""
     distance: Float64
     """D of each [m²], (L,)."""
     gap: Float64
-    """C between each and the next [m²], (L - 1,)."""
+    """C between each unit and the next [m²], (L - 1,)."""
     score: float
     """Sum of D and k C (5)."""
     rate: float
@@ -54,20 +54,20 @@ class Reading:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Products:
-    """What boundaries `begin` … know of all cells that begin there (U boundaries, P cells, G durations)."""
+    """Products of the cells that begin at consecutive boundaries (U boundaries, P cells, G durations)."""
 
     product: Complex128
     """conj(a) · x of the centred clouds, (U, P)."""
     height_product: Float64
-    """(U, P)."""
+    """Product of the heights, (U, P)."""
     input_size: Float64
-    """Squares of the input's centred windows and of their heights, (U, G)."""
+    """Sums of squares of the input's centred windows and of their heights, (U, G)."""
     input_middle: Complex128
     """Middles of the windows, (U, G)."""
 
 
 def make_products(x: Cloud, stretches: Stretches, begin: int, stop: int) -> Products:
-    """Of the boundaries `begin` to `stop` - 1; windows beyond the input's end hold its last frame."""
+    """Compute the products of boundaries `begin` to `stop` - 1. Beyond the input's end its last frame is repeated."""
     points, cells, groups = x.floor.shape[1], stretches.count, len(stretches.groups)
     count, longest = stop - begin, int(stretches.duration[-1])
     rows = np.minimum(np.arange(begin, stop + longest), x.count - 1)
@@ -100,12 +100,13 @@ def decode(
     free_end: int = 0,
     toll: Float64 | None = None,
 ) -> Reading:
-    """The reading of `x` (T frames at the rate of `stretches`) with the least score (5).
+    """Return the reading of `x` (T frames at the rate of `stretches`) with the least score (5).
 
-    `beam` [m²] keeps only cells that are worse than the best at their boundary by less (H010). The first unit may
-    begin up to `free_start` frames after the input, the last end as many as `free_end` before it; what is left out
-    costs nothing. `toll` (T,): what a boundary at each frame costs besides [m²], infinite where there may be none (the
-    beat, where it is known). Raises PersonError where no row of units is as long as the input.
+    `beam` [m²] keeps only cells whose score exceeds the best at their boundary by less (H010). The first unit may begin
+    up to `free_start` frames after the input's start, the last may end up to `free_end` frames before its end. Frames
+    left out cost nothing. `toll` (T,) is the extra cost of a boundary at each frame [m²]; it is infinite where no
+    boundary is allowed (off the beat, if beats are known). Raises PersonError where no sequence of units is as long as
+    the input.
     """
     last, cells = x.count - 1, stretches.count
     ring = int(stretches.duration[-1]) + 1
@@ -125,8 +126,8 @@ def decode(
     if where[1] < 0:
         shortest = float(stretches.duration[0]) / stretches.rate
         raise PersonError(
-            f"no row of units is as long as the leader's {last / x.rate:.2f} s",
-            f"the shortest unit is {shortest:.2f} s: a longer motion, more units, or a larger --stretch",
+            f"no sequence of units is as long as the leader's {last / x.rate:.2f} s",
+            f"the shortest unit is {shortest:.2f} s: give a longer motion, more units, or a larger --stretch",
         )
     cell, end = [], int(where[0])
     at, p = end, int(where[1])
@@ -139,7 +140,7 @@ def decode(
 
 
 def read_cells(x: Cloud, stretches: Stretches, cell: Int64, start: int, k: float) -> Reading:
-    """The reading that lays the cells (L,) one after another from frame `start` on, with its fits and costs."""
+    """Return the reading of the consecutive cells (L,) from frame `start` on, with fits and costs."""
     duration = stretches.duration[cell]
     starts = start + np.concatenate(([0], np.cumsum(duration)[:-1]))
     turn, shift, distance = np.empty(len(cell), np.complex128), np.empty(len(cell), np.complex128), np.empty(len(cell))
@@ -159,7 +160,7 @@ def read_cells(x: Cloud, stretches: Stretches, cell: Int64, start: int, k: float
 
 
 def _one(stretches: Stretches, cell: int) -> Stretches:
-    """The stretches with one cell only."""
+    """Return the stretches with only one cell."""
     index = int(np.searchsorted([stop for _, _, stop in stretches.groups], cell, side="right"))
     frames, first, _ = stretches.groups[index]
     one = slice(cell, cell + 1)

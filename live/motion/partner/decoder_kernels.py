@@ -1,8 +1,6 @@
-"""The recurrence (6)-(8) of the search over a block of times.
+"""Kernels of the search: products of input windows and cells (K003), and the recurrence (6)-(8).
 
-Windows of an input times all cells of a length, as of matrices (K003).
-
-Cells side by side: the predecessors of one boundary, and for each of LANES cells the best of them.
+The recurrence finds the best predecessor for LANES cells at a time, for SIMD.
 """
 
 from typing import Any
@@ -16,7 +14,7 @@ Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 
 WIDE: Any = 32
-"""Cells that are multiplied side by side."""
+"""Cells that are multiplied in one SIMD block."""
 
 
 @kernel(
@@ -34,10 +32,10 @@ def multiply(
     product: Complex128,
     height_product: Float64,
 ) -> None:
-    """Windows of `frames` samples of an input times all cells of that length, for U windows one sample apart.
+    """Multiply windows of `frames` samples of an input with all cells of that length, for U windows one sample apart.
 
-    floor (F, C) and height (F, C): the input from the first window on; real, imaginary and heights (frames C,
-    cells): the cells; product (U, P) and height_product (U, P) receive the columns from `first` on.
+    floor (F, C) and height (F, C) hold the input from the first window on. real, imaginary and heights (frames C,
+    cells) hold the cells. product (U, P) and height_product (U, P) receive the columns from `first` on.
     """
     points, cells = floor.shape[1], real.shape[1]
     re0, im0, up0 = np.empty(WIDE), np.empty(WIDE), np.empty(WIDE)
@@ -72,16 +70,16 @@ def multiply(
 Int64 = npt.NDArray[np.int64]
 
 SIZE: Any = 12
-"""Coordinates of a target's sample: four points."""
+"""Number of coordinates of a target's sample: four points."""
 LANES: Any = 16
-"""Cells that are worked on side by side."""
+"""Cells that are processed in one SIMD block."""
 CHECKED: Any = 8
-"""After so many predecessors it is looked whether any that are left can still be better."""
+"""Number of predecessors between two checks whether the remaining ones can still be better."""
 
 
 @part
 def turn_of(z: complex) -> Any:
-    """The unit number along z, 1 for none."""
+    """Return z normalized to length 1, or 1 where z is 0."""
     norm = np.sqrt(z.real * z.real + z.imag * z.imag)
     return complex(z.real / norm, z.imag / norm) if norm > 1e-12 else complex(1.0, 0.0)
 
@@ -90,8 +88,10 @@ def turn_of(z: complex) -> Any:
 def find_predecessors(
     k: float, bound: float, cell: int, score: Float64, tail: Float64, rows: Int64, scaled: Float64
 ) -> int:
-    """The cells within `bound`, and `cell`, in the order of their scores, into rows (P,); what distances from their
-    ends need into scaled (P, 14); how many."""
+    """Write the cells with scores up to `bound`, and `cell`, to rows (P,) in the order of their scores.
+
+    scaled (P, 14) receives the terms of the distances from their ends. Return the number of cells.
+    """
     waiting = np.empty(score.shape[0])
     found = np.empty(score.shape[0], np.int64)
     count = 0
@@ -119,7 +119,7 @@ def enter_lanes(
     first: int, starts: bool, k: float, toll: float, product: Complex128, middle: Complex128, group: Int64,
     head: Complex128, head_height: Float64, columns: Float64, whole: Float64, least: Float64, turns: Complex128,
 ) -> None:  # fmt: skip
-    """The cells from `first` on into the lanes: where they begin, columns (12, LANES), and k times its square."""
+    """Load the cells from `first` on into the lanes: first samples, columns (12, LANES), and k times their squares."""
     for i in range(LANES):
         p, square = min(first + i, product.shape[0] - 1), 0.0
         turn = turn_of(product[p])
@@ -135,7 +135,7 @@ def enter_lanes(
 
 @part
 def compete(count: int, scaled: Float64, columns: Float64, whole: Float64, least: Float64, chosen: Int64) -> None:
-    """For each lane the best of `count` predecessors: least (LANES,) less `whole`, and its number in chosen."""
+    """Find the best of `count` predecessors per lane: least (LANES,) is its score minus `whole`, chosen its row."""
     for n in range(count):
         if n % CHECKED == 0 and n > 0:
             top = -np.inf
@@ -162,13 +162,13 @@ Int32 = npt.NDArray[np.int32]
 
 @part
 def _size(z: complex) -> float:
-    """|z|, which need not be careful of overflow."""
+    """Return |z| without protection against overflow."""
     return float(np.sqrt(z.real * z.real + z.imag * z.imag))
 
 
 @part
 def _lowest(score: Float64) -> Any:
-    """The least of the scores (P,) and whose it is, -1 if all are infinite."""
+    """Return the least of the scores (P,) and its cell, -1 if all are infinite."""
     least, cell = np.inf, -1
     for p in range(score.shape[0]):
         if score[p] < least:
@@ -181,7 +181,7 @@ def _bound(
     k: float, left: int, score: float, end: Float64, product: Complex128, middle: Complex128, group: Int64,
     duration: Int64, head: Complex128, head_height: Float64,
 ) -> Any:  # fmt: skip
-    """What any cell that begins here need pay at most, since it may follow the cell that ends with `score` at `end`."""
+    """Return an upper bound of the cost of any cell that begins here, from a predecessor with `score` and `end`."""
     bound = -np.inf
     for p in range(duration.shape[0]):
         if duration[p] > left:
@@ -197,7 +197,7 @@ def _bound(
 
 @part
 def _store(out: Float64, turn: complex, middle: complex, floor: Complex128, height: Float64) -> None:
-    """A sample (4,) of a target in the world: z, x, height of each point in turn."""
+    """Write a sample (4,) of a target in the world to `out`: z, x, height of each point in turn."""
     for b in range(4):
         place = turn * floor[b] + middle
         out[3 * b], out[3 * b + 1], out[3 * b + 2] = place.real, place.imag, height[b]
@@ -233,16 +233,16 @@ def propagate(
     best_end: Float64,
     best_cell: Int64,
 ) -> None:
-    """The boundaries `begin` to `begin` + U - 1: cells that end there go on to all that begin there (8).
+    """Propagate scores over the boundaries `begin` to `begin` + U - 1, from cells that end to cells that begin (8).
 
-    toll (last + 1,): what a boundary costs at each time [m²]. product (U, P): conj(a) · x of the centred clouds of
-    the cells that begin at each of the U boundaries; height_product (U, P) likewise; input_size (U, G) and
-    input_middle (U, G) of the input's windows of each duration; group, duration, size, head, tail as in Stretches.
-    Ways begin at boundary 0 to free_start and end at last - free_end to last. Of the cells that end at a boundary
-    only those below the least + `beam` go on. ring_score (R, P) and ring_tail (R, P, 12) hold what ends at the next
-    R > max(duration) boundaries; back (last + 1, P) receives the cell before each; best_end (1,), best_cell (2,): the
-    best end so far and its boundary and cell. What is left out besides cannot change the result: predecessors whose
-    score alone is above what others reach.
+    toll (last + 1,) is the cost of a boundary at each time [m²]. product (U, P) is conj(a) · x of the centred clouds
+    of the cells that begin at each of the U boundaries, height_product (U, P) the same for heights. input_size (U, G)
+    and input_middle (U, G) belong to the input's windows of each duration. group, duration, size, head, tail are as in
+    Stretches. Paths begin at boundaries 0 to free_start and end at last - free_end to last. Of the cells that end at a
+    boundary only those below the least score + `beam` continue. ring_score (R, P) and ring_tail (R, P, 12) hold the
+    cells that end at the next R > max(duration) boundaries. back (last + 1, P) receives the predecessor of each cell.
+    best_end (1,) and best_cell (2,) hold the best end so far, and its boundary and cell. Other pruning is exact: it
+    skips only predecessors whose score alone exceeds the total of others.
     """
     cells, ring = duration.shape[0], ring_score.shape[0]
     rows = np.empty(cells, np.int64)

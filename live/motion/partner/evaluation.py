@@ -1,9 +1,7 @@
-"""How near an answer is to what the real follower did, and how it keeps time (H022, motion quality).
+"""Errors of an answer against the real follower, its timing (H022, motion quality), and detection of hand holds.
 
-Found holds: who held whose hand in a pair of recordings that nobody annotated, by how near the palms were.
-
-Ours; the paper has annotations made by hand (H014). Bodies that were brought onto one skeleton have their hands a
-little elsewhere than the dancers had, so nobody but who gives the recordings knows how near is a hold.
+Holds are detected in recordings without annotations, by the distance of the palms. This is our addition; the paper has
+manual annotations (H014). Retargeting to one skeleton shifts the hands a little, so the user sets the distance.
 """
 
 from dataclasses import dataclass
@@ -22,19 +20,19 @@ Float64 = npt.NDArray[np.float64]
 
 
 def joints_of(clip: Clip) -> Float64:
-    """World positions of all joints [m], (T, J, 3)."""
+    """Return the world positions of all joints [m], (T, J, 3)."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return np.asarray(positions, np.float64)
 
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Of a follower against the real one, who danced with the same leader in the same frame of the world."""
+    """Errors of a follower against the real one, with the same leader in the same world frame."""
 
     joint_m: float
     """Mean distance of the joints [m]."""
     aligned_m: float
-    """The same, each pose turned about the vertical and moved over the floor to where it fits best."""
+    """The same after each pose is rotated about the vertical and moved over the floor to the best fit."""
     hip_distance_m: float
     """Mean difference of the distances between leader's and follower's hips [m]."""
     velocity_m_s: float
@@ -42,7 +40,7 @@ class Errors:
 
 
 def errors(follower: Float64, truth: Float64, leader: Float64, rate: float) -> Errors:
-    """Joints (T, J, 3) [m] of all three, `rate` samples a second; the shortest of them counts."""
+    """Return the errors for joints (T, J, 3) [m] of all three at `rate` [Hz], cut to the shortest of them."""
     count = min(len(follower), len(truth), len(leader))
     follower, truth, leader = follower[:count], truth[:count], leader[:count]
     joint = float(np.linalg.norm(follower - truth, axis=-1).mean())
@@ -66,7 +64,7 @@ def _aligned(one: Float64, other: Float64) -> float:
 
 
 def slide(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> dict[str, float | None]:
-    """foot_slide_mean, foot_slide_p99 [m/s] and skating_ratio of joints (T, J, 3) with contacts (T, 2)."""
+    """Return foot_slide_mean, foot_slide_p99 [m/s] and skating_ratio of joints (T, J, 3) with contacts (T, 2)."""
     speeds = slides(positions, contact, rate)
     found = skates(positions, rate)
     return {
@@ -77,26 +75,26 @@ def slide(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> di
 
 
 def kinematic_offsets(positions: Float64, beats: Float64, rate: float) -> Float64:
-    """From each of the `beats` (n,) [s] to the nearest beat of the motion (T, J, 3) [s], (n,)."""
+    """Return the offsets from the `beats` (n,) [s] to the nearest beats of the motion (T, J, 3) [s], (n,)."""
     return offsets(beats, motion_beats(mean_speed(positions, rate), rate))
 
 
 LETS_GO: Final = 1.5
-"""A hold goes on until palms are this many times as far apart as it may begin at."""
+"""A hold ends when palms are this many times farther apart than its starting distance (hysteresis)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Near:
-    """What counts as a hold: palms within `distance` [m], and never much farther for `seconds` at least."""
+    """Criterion of a hold: palms come within `distance` [m] and stay near it for at least `seconds`."""
 
     distance: float
     seconds: float
 
 
 def found_holds(leader: Clip, follower: Clip, near: Near) -> tuple[Hold, ...]:
-    """The holds of two recordings that belong together sample by sample, in their order, in samples.
+    """Return the holds of two synchronized recordings, in temporal order, in samples.
 
-    Each hand holds one at a time, the nearest that is free, until it lets go of it.
+    Each hand holds one hand at a time, the nearest free one, until the hold ends.
     """
     count = min(leader.sample_count, follower.sample_count)
     lead, own = palms(leader)[:count], palms(follower)[:count]
@@ -108,7 +106,7 @@ def found_holds(leader: Clip, follower: Clip, near: Near) -> tuple[Hold, ...]:
 
 
 def _runs(apart: npt.NDArray[np.float64], distance: float) -> list[Hold]:
-    """All holds, however short, of palms that are so far `apart` (T, 2, 2) [m]."""
+    """Return all holds of any length, from the distances of palms `apart` (T, 2, 2) [m]."""
     runs: list[Hold] = []
     begun: dict[tuple[int, int], int] = {}
     for sample, gaps in enumerate(apart.tolist()):

@@ -1,4 +1,4 @@
-"""Single units on every place of an input: how well each lies there, and the best row of places (H012)."""
+"""Kernels that fit single units at every place of an input and find the best sequence of places (H012)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ Int64 = npt.NDArray[np.int64]
 
 @part
 def _read(out: Float64, row: int, floor: Complex128, height: Float64, place: float) -> None:
-    """The points at the fractional sample `place`: z, x, height of each in turn; ends are held."""
+    """Write the points at fractional sample `place`, clamped to the ends, to `out`: z, x, height of each in turn."""
     last = floor.shape[0] - 1
     place = min(max(place, 0.0), float(last))
     low = min(int(place), max(last - 1, 0))
@@ -46,11 +46,11 @@ def fit_places(
     head: Float64,
     tail: Float64,
 ) -> None:
-    """One unit laid on every place of the input from a frame first_begin + i to a frame first_end + j.
+    """Fit one unit to the input from every frame first_begin + i to every frame first_end + j.
 
-    x (T, P), control and target (S, P) and (S, 4) with heights; the unit is the samples `start` to `start + length`
-    of those; durations below `shortest` and above `longest` are passed over. found (I, J, 5) receives D, then M as
-    turn and shift (real, imaginary); head and tail (I, J, 12) the first and last sample of the target as M brings it.
+    x is (T, P), control (S, P), target (S, 4), each with heights. The unit is the samples `start` to `start + length`
+    of control and target. Durations below `shortest` and above `longest` are skipped. found (I, J, 5) receives D, then
+    M as turn and shift (real, imaginary). head and tail (I, J, 12) receive the target's end samples moved by M.
     """
     points = x.shape[1]
     a = np.empty((1, 3 * points))
@@ -101,10 +101,10 @@ def fit_places(
 def join_places(
     before: Float64, tail: Float64, found: Float64, head: Float64, k: float, score: Float64, back: Int64
 ) -> None:
-    """The best scores (J, L) of cells of a unit whose begins are the ends of the one before.
+    """Compute the best scores (J, L) of cells of a unit that begin where cells of the previous unit end.
 
-    before (I, J): scores of the cells of the unit before; tail (I, J, 12) their ends; found (J, L, 5) and head
-    (J, L, 12) as `fit_places` gives them; back (J, L) receives the begin I of the best cell before.
+    before (I, J) holds the scores of the previous unit's cells, tail (I, J, 12) their last samples. found (J, L, 5) and
+    head (J, L, 12) come from `fit_places`. back (J, L) receives the begin I of the best previous cell.
     """
     for j in range(score.shape[0]):
         for m in range(score.shape[1]):

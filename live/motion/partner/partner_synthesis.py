@@ -1,4 +1,4 @@
-"""The whole way from a leader's motion to a follower's: search, up-sampling, answer, annotations."""
+"""Synthesis of a follower from a leader's motion: search, up-sampling, answer, feet and hands."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,60 +23,60 @@ Float64 = npt.NDArray[np.float64]
 RATE: Final = 7.5
 """Frames per second of the search (H012)."""
 STRETCH: Final = 0.15
-"""Seconds by which a unit may be shorter or longer (H005)."""
+"""Largest change of a unit's length [s] (H005)."""
 CONTINUITY: Final = 1.0
 """k, for a search at RATE (H007)."""
 ON_BEAT: Final = 0.04
-"""Where beats are known, units begin and end this near to them [s]."""
+"""Largest distance of unit boundaries from beats, if beats are known [s]."""
 WALK_RATE: Final = 10.0
 WALK_STRETCH: Final = 0.2
 WALK_CONTINUITY: Final = 4.0
-"""The same for walks, for which a larger k is better (H007)."""
+"""k for walks, for which a larger value is better (H007)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """How units are looked for."""
+    """Parameters of the search and of the constraints."""
 
     rate: float = RATE
     stretch: float = STRETCH
     k: float = CONTINUITY
     beam: float = np.inf
-    """Cells worse than the best by this [m²] are given up (H010)."""
+    """Cells worse than the best by this [m²] are pruned (H010)."""
     free_ends: bool = True
-    """Whether the input may begin and end within a unit: nothing says that it begins on a beat."""
+    """Whether the input may begin and end within a unit: it need not begin on a beat."""
     beats: Float64 | None = None
-    """When the leader's beats are [s], if they are known, (n,): units begin and end on them."""
+    """Times of the leader's beats [s], (n,), if known: units begin and end on them."""
     on_beat: float = ON_BEAT
-    """How far beside a beat a boundary may lie [s]."""
+    """Largest distance of a boundary from a beat [s]."""
     smoothing: Smoothing = "eased"
     hold_feet: bool = True
     near: float = np.inf
-    """How far who walks may be from where her path is [m]."""
+    """Largest distance of a walking dancer from their path [m]."""
     hold_hands: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partnered:
-    """A follower with how she was found."""
+    """A follower and intermediate results of its synthesis."""
 
     clip: Clip
     answer: Answer
-    """Before feet and hands were held."""
+    """The motion before foot and hand constraints."""
     coarse: Reading
     reading: Reading
-    """At the clips' rate."""
+    """The reading at the clips' rate."""
     seconds: dict[str, float]
-    """What each stage took [s]."""
+    """Duration of each stage [s]."""
 
 
 def no_clock() -> float:
-    """A clock that stands."""
+    """Return 0: a clock that does not advance."""
     return 0.0
 
 
 class Stages:
-    """Seconds of stages by name, as the `clock` of whoever asks has them."""
+    """Durations of stages by name [s], measured with the caller's `clock`."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.clock = clock
@@ -84,20 +84,20 @@ class Stages:
 
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
-        """Count what is done within to the stage `name`."""
+        """Add the duration of the `with` block to the stage `name`."""
         began = self.clock()
         yield
         self.seconds[name] = self.seconds.get(name, 0.0) + self.clock() - began
 
 
 def read_input(x: Cloud, units: Units, search: Search, stages: Stages) -> tuple[Reading, Reading]:
-    """The coarse reading of an input and the one at its own rate."""
+    """Return the coarse reading of an input and the one at the input's rate."""
     longest = float(units.seconds.max() + search.stretch)
     if (x.count - 1) / x.rate < float(units.seconds.min()) - search.stretch:
         raise PersonError(
             f"the leader moves for {(x.count - 1) / x.rate:.2f} s, which is shorter than any unit "
             f"({units.seconds.min():.2f} s)",
-            "a longer motion",
+            "give a longer motion",
         )
     with stages("stretches"):
         stretches = make_stretches(units, search.rate, search.stretch)
@@ -114,7 +114,7 @@ def read_input(x: Cloud, units: Units, search: Search, stages: Stages) -> tuple[
 
 
 def tolls(search: Search, x: Cloud) -> Float64 | None:
-    """What a boundary costs at each frame of `x`: nothing near a beat, where beats are known; else there is none."""
+    """Return the cost of a boundary at each frame of `x`: 0 near a beat, else infinite. None if beats are unknown."""
     if search.beats is None or not len(search.beats):
         return None
     time = np.arange(x.count) / x.rate
@@ -129,9 +129,9 @@ def tolls(search: Search, x: Cloud) -> Float64 | None:
 def find_partner(
     leader: Clip, x: Cloud, units: Units, search: Search, clock: Callable[[], float] = no_clock
 ) -> Partnered:
-    """The follower for a leader whose control cloud is `x`, at the rate of the leader's clip.
+    """Return the follower for a leader whose control cloud is `x`, at the rate of the leader's clip.
 
-    `clock` [s] is asked how long the stages take; the core has none.
+    `clock` [s] measures the stages; the core does not read a clock itself.
     """
     stages = Stages(clock)
     coarse, fine = read_input(x, units, search, stages)
@@ -147,7 +147,7 @@ def find_partner(
 
 
 def shown_beats(made: Answer, reading: Reading, units: Units) -> Float64:
-    """When the answer shows the beats that its units' recordings have [s], ascending."""
+    """Return the times at which the answer shows beats of its units' recordings [s], ascending."""
     times = []
     for n, unit in enumerate(reading.unit.tolist()):
         of = units.examples[int(units.example[unit])]
@@ -158,6 +158,6 @@ def shown_beats(made: Answer, reading: Reading, units: Units) -> Float64:
 
 
 def beat_offsets(shown: Float64, period: float, first: float) -> Float64:
-    """From the nearest beat (`period` [s] apart, one at `first`) to each shown one [s], signed."""
+    """Return the signed offsets of shown beats from the nearest beats, `period` [s] apart, one at `first` [s]."""
     phase = (shown - first) / period
     return np.asarray((phase - np.round(phase)) * period)

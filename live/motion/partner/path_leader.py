@@ -1,8 +1,7 @@
-"""Frenet frames: a path that is drawn in its time, as the shadow of somebody's hips who walks along it (H019).
+"""Leader cloud of a timed drawn path, from its Frenet frames, and correction of the walk towards the path (H019).
 
-Leash: who walks along a path stays near it in place and time, so that she ends where it ends (H019).
-
-Units are laid on the path as whole strides; where it rests, or ends, within one, she would go on by the rest of it.
+Units are whole strides. Where a path pauses or ends within a stride, the walk would overshoot by the rest of it, so
+the result is kept near the path in place and time.
 """
 
 from dataclasses import replace
@@ -18,14 +17,15 @@ from live.motion.partner.point_clouds import Cloud, shadows
 Float64 = npt.NDArray[np.float64]
 
 STILL: Final = 0.1
-"""Slower than this [m/s] a path says nothing of where somebody faces: the heading is held."""
+"""Below this speed [m/s] a path does not define the facing, and the heading is held."""
 
 
 def frenet_cloud(time: Float64, place: Float64, rate: float, *, smooth: float = 0.0) -> Cloud:
-    """The control of a path: `place` (n, 2), x and z [m], at `time` (n,) [s], ascending; `rate` [Hz] of the cloud.
+    """Return the control cloud of a path: `place` (n, 2), x and z [m], at `time` (n,) [s], ascending.
 
-    `smooth` [s] is the width of a Gaussian over time and place; paths of mice and phones come in jerks. Facing is
-    along the path; where it rests, as it was before (at the beginning as it will be).
+    `rate` [Hz] is that of the cloud. `smooth` [s] is the standard deviation of a Gaussian filter, because paths from
+    mice and phones are jerky. Facing is along the path. Where the path rests, the last heading is held (at the
+    beginning the first one).
     """
     count = max(int((time[-1] - time[0]) * rate + 1e-6) + 1, 2)
     at = time[0] + np.arange(count) / rate
@@ -47,13 +47,13 @@ def frenet_cloud(time: Float64, place: Float64, rate: float, *, smooth: float = 
 
 
 NEAR: Final = 0.12
-"""So far [m] she may be from where the path is."""
+"""Largest distance of the hips from the path [m]."""
 EASES: Final = 0.12
-"""Standard deviation [s] of how what is mended comes and goes."""
+"""Standard deviation of the smoothing of the correction [s]."""
 
 
 def leashed(clip: Clip, path: Cloud, near: float = NEAR) -> Clip:
-    """The clip with its hips no farther than about `near` [m] from the middle of `path`'s points, at the same rate."""
+    """Return the clip with hips at most about `near` [m] from the middle of `path`'s points; rates must be equal."""
     count = min(clip.sample_count, path.count)
     middle = path.floor.mean(axis=1)
     middle = np.concatenate((middle[:count], np.full(clip.sample_count - count, middle[count - 1])))

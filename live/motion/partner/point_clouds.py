@@ -1,11 +1,8 @@
-"""Clouds: what is compared of a motion, a few points at even times, their places on the floor as complex numbers.
+"""Point clouds for comparing motion, and the best rigid fit of one cloud to another on the floor (H002-H004).
 
-A point's place is z + i x, so that turning by `yaw` (heading 0 faces +z, positive towards +x) multiplies by e^(i yaw).
-
-One unit laid on a stretch of the input: the rigid motion of the floor that fits best, and what is left (H002-H004).
-
-This is the plain form, for one window at a time: what kernels and matrix products do for all of them at once is
-measured against it.
+Floor positions are complex numbers z + i x, so a rotation by `yaw` (heading 0 faces +z, positive towards +x) is a
+multiplication by e^(i yaw). The fit here handles one window at a time; it is the reference for the kernels and matrix
+products that handle all windows at once.
 """
 
 from dataclasses import dataclass
@@ -22,11 +19,11 @@ Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 
 END_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftHand", "rightHand", "leftFoot", "rightFoot"))
-"""Hands and feet: enough for interpretation and continuity (H016)."""
+"""Hands and feet: sufficient for interpretation and continuity (H016)."""
 HIP_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftUpperLeg", "rightUpperLeg"))
-"""The hip joints, whose shadows on the floor stand for a walk's path (H017)."""
+"""The hip joints, whose floor projections represent a walk's path (H017)."""
 HIP_APART: Final = 0.18
-"""The shadows are brought to this distance [m], so that a tilted pelvis changes nothing."""
+"""Fixed distance of the two projections [m], so that a tilted pelvis changes nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,11 +31,11 @@ class Cloud:
     """P points at T evenly spaced times."""
 
     floor: Complex128
-    """Places on the floor z + i x [m], shape (T, P)."""
+    """Floor positions z + i x [m], shape (T, P)."""
     height: Float64
     """Heights [m], shape (T, P)."""
     rate: float
-    """Times per second [Hz]."""
+    """Sample rate [Hz]."""
 
     @property
     def count(self) -> int:
@@ -46,7 +43,7 @@ class Cloud:
         return len(self.floor)
 
     def at(self, places: Float64) -> "Cloud":
-        """The cloud at fractional samples (n,), linearly between them; ends are held; its rate is kept."""
+        """Return the cloud at fractional samples (n,), interpolated linearly, clamped to the ends; `rate` is kept."""
         places = np.clip(places, 0.0, self.count - 1.0)
         low = np.minimum(places.astype(np.int64), max(self.count - 2, 0))
         high = np.minimum(low + 1, self.count - 1)
@@ -58,30 +55,30 @@ class Cloud:
         )
 
     def resampled(self, rate: float) -> "Cloud":
-        """The cloud at another rate (down-sampling, H012)."""
+        """Return the cloud at another rate (down-sampling, H012)."""
         count = int((self.count - 1) * rate / self.rate + 1e-6) + 1
         thin = self.at(np.asarray(np.arange(count) * self.rate / rate, np.float64))
         return Cloud(thin.floor, thin.height, rate)
 
     def moved(self, turn: complex, shift: complex) -> "Cloud":
-        """Turned about the vertical by the unit number `turn`, then moved by `shift` [m]."""
+        """Return the cloud rotated about the vertical by the unit complex number `turn`, then moved by `shift` [m]."""
         return Cloud(turn * self.floor + shift, self.height, self.rate)
 
 
 def cloud_of(positions: npt.NDArray[np.floating], rate: float) -> Cloud:
-    """The cloud of points (T, P, 3) [m]."""
+    """Return the cloud of points (T, P, 3) [m]."""
     points = np.asarray(positions, np.float64)
     return Cloud(np.ascontiguousarray(points[..., 2] + 1j * points[..., 0]), np.ascontiguousarray(points[..., 1]), rate)
 
 
 def ends_cloud(clip: Clip) -> Cloud:
-    """Hands and feet of a clip."""
+    """Return the cloud of a clip's hands and feet."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return cloud_of(positions[:, END_JOINTS], clip.sample_rate)
 
 
 def path_cloud(clip: Clip) -> Cloud:
-    """The shadows of the hip joints, always equally far apart: what a drawn path knows of a walk (H017)."""
+    """Return the floor projections of the hip joints at a fixed distance, as a drawn path gives them (H017)."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     floor = cloud_of(positions[:, HIP_JOINTS], clip.sample_rate).floor
     middle, across = floor.mean(axis=1), floor[:, 0] - floor[:, 1]
@@ -91,33 +88,33 @@ def path_cloud(clip: Clip) -> Cloud:
 
 
 def shadows(middle: Complex128, across: Complex128, rate: float) -> Cloud:
-    """Two points `HIP_APART` about `middle` (T,), the left one towards the unit number `across` (T,)."""
+    """Return two points `HIP_APART` around `middle` (T,), the left one towards `across` (T,), a unit complex number."""
     floor = middle[:, None] + 0.5 * HIP_APART * across[:, None] * np.array((1.0, -1.0))
     return Cloud(np.ascontiguousarray(floor), np.zeros(floor.shape), rate)
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """M (2) and D (1)."""
+    """Best-fitting motion M (2) and distance D (1)."""
 
     turn: complex
-    """Rotation about the vertical as a unit number."""
+    """Rotation about the vertical as a unit complex number."""
     shift: complex
-    """What is added after it [m]."""
+    """Translation after the rotation [m]."""
     distance: float
-    """Sum over samples and points of the squared distances that remain [m²]."""
+    """Sum of the squared residual distances over samples and points [m²]."""
 
 
 def stretched(cloud: Cloud, start: float, length: float, duration: int) -> Cloud:
-    """The samples `start` to `start + length` of a cloud in `duration` equal steps: `duration` + 1 samples."""
+    """Resample `start` to `start + length` of a cloud in `duration` equal steps: `duration` + 1 samples."""
     return cloud.at(np.asarray(start + np.arange(duration + 1) * (length / duration), np.float64))
 
 
 def fit(x: Cloud, a: Cloud) -> Fit:
-    """D(x, a) and the M that it is taken at, in closed form (K001): ground translation and vertical rotation.
+    """Return D(x, a) and its M in closed form (K001): floor translation and rotation about the vertical.
 
-    Both clouds have the same shape. Heights are compared as they are. Where every rotation is as good (all points of
-    one in one place) there is none.
+    Both clouds have the same shape. Heights are compared directly. If all points of one cloud coincide, every rotation
+    fits equally well and none is applied.
     """
     middle_x, middle_a = x.floor.mean(), a.floor.mean()
     product = complex(np.sum(np.conj(a.floor - middle_a) * (x.floor - middle_x)))
@@ -129,6 +126,6 @@ def fit(x: Cloud, a: Cloud) -> Fit:
 
 
 def gap(tail: Cloud, head: Cloud) -> float:
-    """C (4): the squared distance [m²] of the last sample of `tail` from the first of `head`."""
+    """Return C (4): the squared distance [m²] of the last sample of `tail` from the first of `head`."""
     floor = np.abs(tail.floor[-1] - head.floor[0]) ** 2
     return float(floor.sum() + ((tail.height[-1] - head.height[0]) ** 2).sum())

@@ -1,7 +1,6 @@
-"""Up-sampling: the units stay, their boundaries are found anew at the input's own rate (H012).
+"""Up-sampling of a coarse reading: boundaries of the same units are searched again at the input's rate (H012).
 
-A search over the same score (5) in which all is forbidden but this row of units: unit i must be danced at the middle
-of where it was found, so its boundaries lie between those middles. What is left is a search over boundaries alone.
+The score (5) is the same, but the sequence of units is fixed. Each boundary is searched near its coarse position.
 """
 
 from itertools import pairwise
@@ -21,17 +20,17 @@ Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
 AROUND: Final = 1.0
-"""A boundary is looked for so many frames of the coarse reading to both sides of where it was."""
+"""Search range of a boundary to both sides of its coarse position [frames of the coarse reading]."""
 
 
 def refine(
     x: Cloud, units: Units, coarse: Reading, *, k: float, stretch: float, toll: Float64 | None = None
 ) -> Reading:
-    """The row of units of `coarse` with the boundaries that are best for `x`, the same input at a higher rate.
+    """Return the units of `coarse` with the best boundaries for `x`, the same input at a higher rate.
 
-    `k` is that of the coarse search: D sums over frames and C does not, so here k grows as the rate does. The first
-    boundary and the last stay where they are (or as near as the rates allow). `toll` (T,): what
-    a boundary at each frame of `x` costs besides.
+    `k` is that of the coarse search. It is scaled with the rate here, because D sums over frames and C does not. The
+    first and last boundary stay in place, or as near as the rates allow. `toll` (T,) is the extra cost of a boundary at
+    each frame of `x`.
     """
     ratio = x.rate / coarse.rate
     edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))
@@ -43,7 +42,7 @@ def refine(
     low = np.maximum(centre - reach, 0)
     high = np.minimum(centre + reach, x.count - 1)
     legal = [legal_durations(float(units.seconds[unit]), x.rate, stretch) for unit in coarse.unit]
-    for n in (0, -1):  # the ends lie where the input does, whatever the coarse frames made of that
+    for n in (0, -1):  # the ends are fixed by the input, up to rounding of the coarse frames
         legal[n] = range(max(legal[n].start - round(ratio), 1), legal[n].stop + round(ratio))
     tolls = np.zeros(x.count) if toll is None else toll
     return _search(x, units, coarse, k * ratio, low, high, legal, tolls)
@@ -52,7 +51,7 @@ def refine(
 def _search(
     x: Cloud, units: Units, coarse: Reading, k: float, low: Int64, high: Int64, legal: list[range], tolls: Float64
 ) -> Reading:
-    """Layer by layer: cells (begin, end) of each unit, scored with the best cell of the unit before."""
+    """Search by dynamic programming over layers: one layer per unit, one cell per (begin, end)."""
     layers: list[tuple[Float64, Float64, Float64]] = []
     backs: list[Int64] = []
     before = np.zeros((0, 0))
@@ -104,7 +103,7 @@ def _traced(
 
 
 def _as_it_was(x: Cloud, units: Units, coarse: Reading, k: float) -> Reading:
-    """The coarse boundaries at the higher rate: where no boundaries are legal that lie near them."""
+    """Return the coarse boundaries at the higher rate, for inputs where no legal boundaries lie near them."""
     ratio = x.rate / coarse.rate
     edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))
     edges = np.minimum(np.round(edges * ratio).astype(np.int64), x.count - 1)

@@ -1,13 +1,12 @@
-"""Sketched pairs: examples for a partner made of single steps, for who has no recordings of two.
+"""Examples for partner synthesis made from single sketched steps, without recordings of pairs.
 
-A step's follower is whichever step of the library, as it is or backward in time, goes along with it best when she who
-dances it stands opposite: who steps to her left is followed to the other one's right, who walks forward is met by a
-walk backward. So both keep their distance, and their feet do not meet. Ours; the paper has recorded pairs alone.
+Pairs: the follower of a step is the library step, forward or reversed in time, that matches it best when danced
+opposite. A step to the left is answered to the other dancer's right, a walk forward by a walk backward. So both keep
+their distance and their feet do not collide.
 
-Sketched walks: examples for who walks along a way, made of a step that goes forward (H017, H019).
-
-A sketched walk goes straight, at a few speeds. Between these, and round bends, it is led here: strides are mixed, ways
-are bent, and feet that stand are held where they stand. Ours; the paper has two minutes of a recorded walk.
+Walks along a path come from steps that go forward (H017, H019). A sketched walk is straight, at a few speeds. Strides
+are blended and paths bent to cover other speeds and curves, with foot lock. Both are our additions; the paper has
+recorded pairs and two minutes of a recorded walk.
 """
 
 from collections.abc import Sequence
@@ -31,36 +30,36 @@ Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
 APART: Final = 1.0
-"""How far the two stand from each other [m]."""
+"""Distance of the two dancers [m]."""
 PASSES: Final = 2
-"""Each step is danced so often in a row: whoever follows dances on until the next unit is clear."""
+"""Repetitions of each step: the follower continues the step until the next unit is decided."""
 MEETS: Final = 0.1
-"""Half the samples over which the second pass comes out of the first, as a share of a measure."""
+"""Length of the blend from the first pass to the second, as a share of a measure."""
 FEET: Final = 4.0
-"""How much a metre between the heights of feet that face each other counts beside one between hips."""
+"""Weight of height differences of facing feet against distances of hips."""
 OTHER: Final = 0.004
-"""What another step must be better by to be taken [m²]."""
+"""Cost of choosing a different step as the follower [m²]."""
 MOMENTS: Final = 16
 """Moments of a measure at which steps are compared."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Danced:
-    """A step danced over and over, or backward."""
+    """A step, repeated forward or reversed in time, with its features for comparison."""
 
     step: str
     clip: Clip
     ends: Cloud
     way: Float64
-    """Of the hips, seen by her who faces 0 at the beginning, (M, 2) [m]."""
+    """Path of the hips, with heading 0 at the beginning, (M, 2) [m]."""
     feet: Float64
     """Heights of left and right foot, (M, 2) [m]."""
 
 
 def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | None = None) -> Units:
-    """Units of `unit_beats` of all `clips`, which have one metre and tempo; ValueError if none is long enough.
+    """Return units of `unit_beats` from all `clips`, which share one metre and tempo; ValueError if none fits.
 
-    Whose hands are so `near` to each other hold them; without that nobody holds any.
+    Hands that meet the criterion `near` hold each other. With None there are no holds.
     """
     found: list[Example] = []
     for measures in sorted({clip.measures for clip in clips}):
@@ -73,7 +72,7 @@ def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | N
         pairs = zip(steps, follows[: len(steps)], best.tolist(), strict=True)
         found += [_pair(step, lead, follows[n], unit_beats, near) for step, lead, n in pairs]
     if not found:
-        raise ValueError(f"no step is a whole number of times {unit_beats} beats long")
+        raise ValueError(f"no step has a length that is a multiple of {unit_beats} beats")
     return cut_units(found)
 
 
@@ -88,19 +87,19 @@ def _pair(step: StepClip, lead: _Danced, best: _Danced, unit_beats: int, near: N
 
 
 def _costs(danced: Sequence[_Danced], count: int) -> Float64:
-    """How badly each of all n goes along, opposite, with each of the first `count`, (count, n)."""
+    """Return the cost of each of all n as the opposite follower of each of the first `count`, (count, n)."""
     way, feet = np.stack([one.way for one in danced]), np.stack([one.feet for one in danced])
     names = np.array([one.step for one in danced])
     found = OTHER * (names[:count, None] != names[None])
     for row in range(count):
-        apart = way[row] + way  # opposite, every way is turned about
+        apart = way[row] + way  # opposite dancers face each other, so the follower's path is negated
         amiss = feet[row] - feet[:, :, ::-1]
         found[row] += (apart**2).sum(axis=2).mean(axis=1) + FEET * (amiss**2).mean(axis=(1, 2))
     return np.asarray(found, np.float64)
 
 
 def _danced(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_Danced]:
-    """What is looked at of the `clips` of `steps`: forward kinematics of all at once."""
+    """Return the features of the `clips` of `steps`, with one batched forward kinematics call."""
     root = np.concatenate([clip.root_position for clip in clips]).astype(np.float64)
     rotation = np.concatenate([clip.rotation for clip in clips]).astype(np.float64)
     ends = forward_kinematics(root, rotation)[0][:, END_JOINTS]
@@ -117,7 +116,7 @@ def _danced(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_Danced]:
 
 
 def danced_again(step: StepClip, *, back: bool) -> Clip:
-    """The measures of a step PASSES times in a row, at the origin, facing 0; `back` in time."""
+    """Return the measures of a step repeated PASSES times, from the origin, facing 0; `back` reverses time."""
     count = round(step.measures * step.samples_per_measure)
     read = read_clip(step.clip, step.first + np.arange(count + 1.0))
     root, rotation, contact = np.asarray(read[0], np.float64), np.asarray(read[1], np.float64), read[2]
@@ -142,13 +141,13 @@ def danced_again(step: StepClip, *, back: bool) -> Clip:
 
 
 def _coming(count: int, size: float) -> Float64:
-    """From 0 at the first sample to 1 from `size` samples on, smoothly."""
+    """Return a smooth ramp from 0 at the first sample to 1 from `size` samples on."""
     t = np.clip(np.arange(count) / max(size, 1.0), 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
 def _opposite(clip: Clip) -> Clip:
-    """The clip danced APART in front of who stands at the origin, facing her."""
+    """Return the clip placed APART in front of a dancer at the origin, facing them."""
     root, rotation = _turned(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64), np.pi)
     root[:, 2] += APART
     return Clip(
@@ -158,7 +157,7 @@ def _opposite(clip: Clip) -> Clip:
 
 
 def _turned(root: Float, rotation: Float, yaw: float) -> tuple[Float64, Float64]:
-    """Turned about the vertical through the origin by `yaw` [rad]."""
+    """Return root and rotations rotated about the vertical through the origin by `yaw` [rad]."""
     z = np.exp(1j * yaw) * (root[:, 2] + 1j * root[:, 0])
     turn = np.array((np.cos(0.5 * yaw), 0.0, np.sin(0.5 * yaw), 0.0))
     rotation = np.array(rotation, np.float64)
@@ -167,23 +166,23 @@ def _turned(root: Float, rotation: Float, yaw: float) -> tuple[Float64, Float64]
 
 
 def _heading(rotation: Float) -> float:
-    """Where hips of this rotation face [rad]."""
+    """Return the heading of the hips' rotation [rad]."""
     ahead = quaternion.rotate(rotation, np.array((0.0, 0.0, 1.0)))
     return float(np.arctan2(ahead[0], ahead[2]))
 
 
 BENDS: Final = (0.0, 0.5, -0.5, 1.0, -1.0)
-"""By so much [rad] ways turn in a measure, towards +x."""
+"""Turns of the path in a measure, towards +x [rad]."""
 STRIDES: Final = 2
-"""So many strides are mixed between two that are sketched, the slower one among them."""
+"""Number of strides from each sketched one up to the next longer one, including the first."""
 LONGER: Final = 1.7
-"""The longest stride is so far beyond the one before, where 1 is the longest sketched one."""
+"""Extrapolation factor of the longest stride from the second longest sketched one, where 1 is the longest."""
 SIDEWAYS: Final = 0.1
-"""Who goes this far [m] to a side in a measure, or backward, does not walk forward."""
+"""A step that goes this far sideways or backward in a measure is not a forward walk [m]."""
 
 
 def sketched_walks(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
-    """Units of walking forward: of those `clips` that do; ValueError if none does."""
+    """Return units of forward walking from those `clips` that walk forward; ValueError if none does."""
     ahead: dict[str, list[tuple[float, StepClip, Clip]]] = {}
     for step in clips:
         clip = danced_again(step, back=False)
@@ -192,12 +191,12 @@ def sketched_walks(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
             ahead.setdefault(step.step, []).append((float(way[2]) / step.measures, step, clip))
     found = [one for name in sorted(ahead) for one in _of_step(name, ahead[name], unit_beats)]
     if not found:
-        raise ValueError("no step goes forward")
+        raise ValueError("no step walks forward")
     return cut_units(found)
 
 
 def _of_step(name: str, known: list[tuple[float, StepClip, Clip]], unit_beats: int) -> list[Example]:
-    """Examples of one step, whose strides are `known` with their lengths [m] a measure."""
+    """Return examples of one step from its `known` strides, with lengths [m] per measure."""
     if max(way for way, _, _ in known) < SIDEWAYS:
         return []
     known = sorted(known, key=lambda one: one[0])
@@ -223,7 +222,7 @@ def _mixed(one: Clip, other: Clip, share: float) -> Clip:
 
 
 def _bent(clip: Clip, turn: float) -> Clip:
-    """The clip on a way that turns by `turn` [rad] in every sample; feet that stand are held."""
+    """Return the clip on a path that turns by `turn` [rad] per sample, with planted feet locked."""
     if turn == 0.0:
         return clip
     yaw = turn * np.arange(clip.sample_count)

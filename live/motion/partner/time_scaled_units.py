@@ -1,4 +1,4 @@
-"""Stretches: every unit in every length it may have, ready to be multiplied with an input (H002, H005)."""
+"""Units time-scaled to every legal duration, in the layout for products with an input (H002, H005)."""
 
 from dataclasses import dataclass
 
@@ -23,19 +23,19 @@ class Stretches:
     unit: Int64
     """Unit of each cell, (P,)."""
     duration: Int64
-    """Its duration in frames, ascending, (P,): duration + 1 samples, for neighbours share theirs at the boundary."""
+    """Duration of each in frames, ascending, (P,): duration + 1 samples, since neighbours share the boundary sample."""
     groups: tuple[tuple[int, int, int], ...]
-    """(duration, first cell, last cell + 1) of all that have one duration."""
+    """(duration, first cell, last cell + 1) of the cells of each duration."""
     real: tuple[Float64, ...]
-    """For each group the conjugate of the centred control clouds, ((duration + 1) C, cells): z ..."""
+    """For each group the conjugate of the centred control clouds, ((duration + 1) C, cells): real part, z."""
     imaginary: tuple[Float64, ...]
-    """... and -x."""
+    """Their imaginary part, -x."""
     control_height: tuple[Float64, ...]
-    """The same of their heights, not centred."""
+    """Their heights, not centred."""
     size: Float64
     """Sum of squares of each cell's centred cloud and of its heights [m²], (P,)."""
     head: Complex128
-    """First sample of the target, about the middle of the control cloud, (P, B)."""
+    """First sample of the target, relative to the middle of the control cloud, (P, B)."""
     head_height: Float64
     tail: Complex128
     """Last sample of the target, likewise, (P, B)."""
@@ -50,7 +50,7 @@ class Stretches:
 
 
 def legal_durations(seconds: float, rate: float, stretch: float) -> range:
-    """Durations [frames] within `stretch` [s] of a unit's own, the nearest one at least; never less than one frame."""
+    """Return the durations [frames] within `stretch` [s] of a unit's, or the nearest one; at least one frame."""
     first = int(np.ceil((seconds - stretch) * rate - 1e-9))
     last = int(np.floor((seconds + stretch) * rate + 1e-9))
     if last < first:
@@ -59,7 +59,7 @@ def legal_durations(seconds: float, rate: float, stretch: float) -> range:
 
 
 def make_stretches(units: Units, rate: float, stretch: float) -> Stretches:
-    """All cells of `units` at `rate` [Hz], each unit up to `stretch` [s] shorter or longer."""
+    """Return all cells of `units` at `rate` [Hz], each unit up to `stretch` [s] shorter or longer."""
     cells = sorted(
         (duration, unit)
         for unit in range(units.count)
@@ -93,7 +93,7 @@ def make_stretches(units: Units, rate: float, stretch: float) -> Stretches:
 
 
 def _cell(units: Units, unit: int, frames: int) -> tuple[Cloud, Cloud]:
-    """Control and target of a unit in `frames` steps."""
+    """Return control and target of a unit in `frames` steps."""
     of = units.examples[int(units.example[unit])]
     start, length = float(units.start[unit]), float(units.length[unit])
     return stretched(of.control, start, length, frames), stretched(of.target, start, length, frames)

@@ -1,4 +1,4 @@
-"""Transcription: the labels of the units that a motion was read as, as a score (H026)."""
+"""Transcription of a reading as a score of unit labels (H026)."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,19 @@ from live.motion.partner.units import Units
 
 @dataclass(frozen=True, slots=True)
 class Danced:
-    """One unit that was danced, or the same one several times."""
+    """One transcribed unit, or several consecutive units of one recording."""
 
     begin: float
-    """When it began [s]."""
+    """Start time [s]."""
     seconds: float
     label: str
-    """Recording and number of the unit there, from 1."""
+    """Recording, and number of its first unit there, from 1."""
     times: int
-    """How many units of that recording in a row, each going on where the one before ended."""
+    """Number of consecutive units of that recording, each starting where the previous one ended."""
 
 
 def transcribed(reading: Reading, units: Units) -> list[Danced]:
-    """What was danced, in order; units that went on in one recording are one entry."""
+    """Return the transcribed units, in order. Consecutive units of one recording are one entry."""
     found: list[Danced] = []
     before: int | None = None
     for n, unit in enumerate(reading.unit.tolist()):
@@ -41,7 +41,7 @@ def goes_on(units: Units, unit: int, other: int) -> bool:
 
 
 def transcript_text(danced: list[Danced]) -> str:
-    """The score: a line each, time [s], label, units in a row."""
+    """Return the score as text, one line for each entry: start, length [s], number of units, label."""
     lines = ["# seconds  length  units  recording/unit"]
     lines += [f"{one.begin:9.3f} {one.seconds:7.3f} {one.times:6d}  {one.label}" for one in danced]
     return "\n".join(lines) + "\n"

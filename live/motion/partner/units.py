@@ -1,11 +1,7 @@
-"""Units: synchronised stretches of a leader's and a follower's recording that mean something together (H001).
+"""Units: synchronized segments of a leader's and a follower's recording (H001).
 
-Complete-linkage clustering: of units that say nearly the same only one stays (H011).
-
-Examples in beats: recordings retimed so that every unit is so many beats long, whatever tempo it was danced at.
-
-On the stage the clock knows the beats: a leader is looked at so many times a beat, and a unit that lasts two of them is
-as many frames long at any tempo.
+Near-duplicate units are removed by complete-linkage clustering (H011). For real-time use, recordings are retimed to a
+fixed number of samples a beat, so that a unit has the same number of frames at any tempo.
 """
 
 from collections.abc import Sequence
@@ -29,7 +25,7 @@ BEATS_OF_UNIT: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Two hands that hold each other for a while; hands are 0 left, 1 right."""
+    """A hold between two hands, over a span of samples; hands are 0 left, 1 right."""
 
     leader_hand: int
     follower_hand: int
@@ -40,33 +36,33 @@ class Hold:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
-    """One pair of recordings, sample by sample beside each other, in one frame of the world."""
+    """One pair of synchronized recordings in one world frame."""
 
     name: str
     control: Cloud
-    """What the leader does."""
+    """Cloud of the leader."""
     target: Cloud
-    """What the follower does, at the same times."""
+    """Cloud of the follower, at the same times."""
     follower: Clip
-    """The follower's motion that is copied from."""
+    """The follower's motion, from which answers are copied."""
     cuts: Float64
     """Samples at which one unit ends and the next begins, ascending, (n + 1,)."""
     beats: Float64
-    """Samples of all beats, (n,); empty where none are known."""
+    """Samples of all beats, (n,); empty if unknown."""
     holds: tuple[Hold, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Units:
-    """N units of some examples, all at one rate; the database of the mapping."""
+    """N units of some examples at one rate: the database of the mapping."""
 
     examples: tuple[Example, ...]
     example: Int64
-    """Which example each unit is of, (N,)."""
+    """Index of the example of each unit, (N,)."""
     start: Float64
     """Sample of its recording at which each unit begins, (N,)."""
     length: Float64
-    """How many samples it is long, (N,)."""
+    """Length of each in samples, (N,)."""
 
     @property
     def count(self) -> int:
@@ -84,18 +80,18 @@ class Units:
         return np.asarray(self.length / self.rate)
 
     def label(self, unit: int) -> str:
-        """What a unit is called: its recording and its number there, from 1."""
+        """Return the label of a unit: its recording and its number there, from 1."""
         of = self.examples[int(self.example[unit])]
         return f"{of.name}/{int(np.searchsorted(of.cuts, self.start[unit] + 1e-6))}"
 
     def kept(self, which: npt.ArrayLike) -> "Units":
-        """Only the units `which` (indices or truth values), in that order."""
+        """Return only the units `which` (indices or booleans), in that order."""
         index = np.asarray(which)
         return replace(self, example=self.example[index], start=self.start[index], length=self.length[index])
 
 
 def cut_units(examples: Sequence[Example]) -> Units:
-    """All units between the cuts of all examples."""
+    """Return all units between the cuts of all examples."""
     example = [np.full(max(len(one.cuts) - 1, 0), n) for n, one in enumerate(examples)]
     return Units(
         tuple(examples),
@@ -106,26 +102,26 @@ def cut_units(examples: Sequence[Example]) -> Units:
 
 
 def beat_cuts(beats: Float64, last: float, every: int = BEATS_OF_UNIT) -> Float64:
-    """Every second beat (or each `every`th), as far as they lie within samples 0 to `last`."""
+    """Return every second beat (or each `every`th) within samples 0 to `last`."""
     return np.asarray(beats[::every][(beats[::every] >= 0.0) & (beats[::every] <= last)])
 
 
 def beat_samples(period: float, first: float, rate: float, last: float) -> Float64:
-    """Samples of all beats `period` [s] apart, one of them at `first` [s], within samples 0 to `last`."""
+    """Return the samples of all beats `period` [s] apart, one at `first` [s], within samples 0 to `last`."""
     earliest = -np.floor(first / period + 1e-9)
     count = int(np.floor((last / rate - first) / period + 1e-9) - earliest) + 1
     return np.asarray((first + (earliest + np.arange(max(count, 0))) * period) * rate)
 
 
 SAMPLES = 8
-"""Steps in which two units are compared, stretched to each other."""
+"""Number of steps to which units are time-scaled for comparison."""
 
 
 def unit_distances(units: Units) -> Float64:
-    """Distances (1) of all units from each other [m], rms over points and samples of controls and targets, (N, N).
+    """Return the pairwise distances (1) of units [m], rms over points and samples of controls and targets, (N, N).
 
-    One motion M, that of the controls, lies on both: units whose leaders do the same and whose followers do not are
-    far from each other. Units whose lengths differ are compared at one length.
+    The motion M of the controls is applied to both controls and targets, so units with the same leader and different
+    followers are far apart. Units of different lengths are scaled to one length.
     """
     pairs = [
         (
@@ -162,7 +158,7 @@ def _squares(rows: Float64) -> Float64:
 
 
 def thin_out(units: Units, threshold: float, *, seed: int) -> Units:
-    """One unit, drawn by `seed`, of each cluster in which no two are farther apart than `threshold` [m]."""
+    """Return one unit, drawn with `seed`, from each cluster with pairwise distances up to `threshold` [m]."""
     if units.count < 2 or threshold <= 0.0:
         return units
     tree = linkage(squareform(unit_distances(units), checks=False), method="complete")
@@ -173,15 +169,15 @@ def thin_out(units: Units, threshold: float, *, seed: int) -> Units:
 
 
 def in_beats(units: Units, *, unit_beats: int, samples: int, period: float) -> Units:
-    """The same units, each `unit_beats` long, with `samples` a beat, as if a beat lasted `period` [s].
+    """Return the units retimed to `unit_beats` each, with `samples` a beat, as if a beat lasted `period` [s].
 
-    Before the first and after the last unit of a recording it goes on at its neighbour's tempo, as far as it goes.
+    Before the first and after the last unit a recording continues, to its end, at the tempo of that unit.
     """
     return cut_units([_retimed(one, unit_beats * samples, samples / period) for one in units.examples])
 
 
 def _retimed(example: Example, size: int, rate: float) -> Example:
-    """One example whose units are `size` samples long at `rate` [Hz]."""
+    """Return the example with units of `size` samples at `rate` [Hz]."""
     cuts, last = example.cuts, example.follower.sample_count - 1.0
     first, final = size / (cuts[1] - cuts[0]), size / (cuts[-1] - cuts[-2])
     before = int(np.floor(cuts[0] * first + 1e-9))

@@ -1,1 +1,1 @@
-"""A partner's dance generated from a leader's by example, frame by frame. It may import what `motion` may."""
+"""Example-based partner synthesis live: a follower generated frame by frame. May import what `motion` may."""

@@ -1,10 +1,8 @@
-"""Held: which hands the unit that answers a leader now holds (H014).
+"""Hand holds between a live follower and the leader (H014): which hands the current unit holds, and how closed they
+are.
 
-A hold goes on as long as the units danced have it: where the next one is not clear yet, as at the end of the last one.
-
-Holding: how far hands are closed that the answers to leaders hold (H014).
-
-Where the leader's palm is out of reach a hold is let go, or not taken. All is advanced at ticks; drawing reads it.
+A hold lasts as long as the danced units contain it, also while the next unit is undecided. If the leader's palm is out
+of reach a hold is released or not taken. State advances at ticks; drawing only reads it.
 """
 
 import math
@@ -21,23 +19,23 @@ from live.motion.pose.hand_hold_kernels import reach_palms, see_palms
 
 NOBODY: Final = -1
 AHEAD: Final = 0.35
-"""So long [s] before a hold begins hands make for it: the recording says so ahead."""
+"""Hands start moving this long [s] before a recorded hold begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """What one follower is to hold."""
+    """The hands one follower should hold."""
 
     leader: int
     follower: int
     hands: tuple[int, int]
-    """Which of the leader's hands (0 left, 1 right) her left and her right hold, NOBODY for none."""
+    """The leader's hands (0 left, 1 right) that the follower's left and right hand hold, NOBODY for none."""
     amount: float
-    """Where the fader is, 0 to 1."""
+    """Fader value, 0 to 1."""
 
 
 def hands_of(partner: LivePartner) -> tuple[int, int]:
-    """Which of the leader's hands the unit that is danced holds now, by left and right hand; NOBODY for none."""
+    """Return the leader's hands held now in the current unit, by the follower's left and right; NOBODY for none."""
     found = [NOBODY, NOBODY]
     if not partner.known:
         return NOBODY, NOBODY
@@ -47,7 +45,7 @@ def hands_of(partner: LivePartner) -> tuple[int, int]:
         end = float(units.start[unit] + units.length[unit])
         now = min(partner.place, end)
         soon = min(partner.place + AHEAD * partner.pace, end)
-        for hold in holds:  # one that is held already goes before the next one
+        for hold in holds:  # a current hold has priority over the next one
             if hold.begin <= soon and hold.end >= now and found[hold.follower_hand] == NOBODY:
                 found[hold.follower_hand] = hold.leader_hand
     return found[0], found[1]
@@ -60,77 +58,79 @@ Bool = npt.NDArray[np.bool_]
 See = Callable[[Int32], tuple[Float32, Float32]]
 
 HALFLIFE: Final = 0.06
-"""Half-life [s] in which palms meet and part, ..."""
+"""Half-life [s] with which palms meet and part, ..."""
 SLOWER: Final = 0.12
-"""... and by how much it is longer for each metre that is between them [s/m]."""
+"""... and its increase per metre between them [s/m]."""
 WAITS: Final = 0.12
-"""A hold is taken once it has been within reach and wanted for so long [s]: who goes over to another unit at once
-would only twitch."""
+"""A hold is taken after it has been wanted and within reach for this long [s], so that a unit change does not
+twitch."""
 OPEN: Final = 0.03
-"""A hold less closed than this is open, and one as near to 1 is closed: the way between is eased at both ends."""
+"""A hold less closed than this is open, and one as near to 1 is closed; between them it is eased at both ends."""
 TAKES: Final = -0.03
-"""A palm that is so much farther from the shoulder than the arm reaches [m] is taken ..."""
+"""A palm is taken if its distance from the shoulder exceeds the arm's reach by at most this [m] ..."""
 LEAVES: Final = 0.1
-"""... and one that is so much farther is let go: till then fingers hold on."""
+"""... and released if it exceeds it by this."""
 BEFORE: Final = 0.0
-"""A palm is taken whose cosine to where the chest faces is above this ..."""
+"""A palm is taken if the cosine of its direction to the chest's forward axis is above this ..."""
 BEHIND: Final = -0.25
-"""... and let go below this: hands are not held behind the back."""
+"""... and released below this: hands are not held behind the back."""
 CLOSE: Final = 0.2
-"""A palm that is nearer to the shoulder than this [m] is let go ..."""
+"""A palm nearer to the shoulder than this [m] is released ..."""
 CLOSER: Final = 0.05
-"""... and taken if it is so much farther off."""
+"""... and taken if it is farther by this margin."""
 SOON: Final = 0.1
-"""Where palms will be so much later [s], as they go now, counts as well."""
+"""Palm positions extrapolated by this time [s] count as well."""
 LEFT: Final = 0.1
-"""So long [s] after it is let go a hand is followed no more, wherever it goes, behind the back or past the shoulder."""
+"""This long [s] after release an arm no longer follows the leader's hand, wherever that moves."""
 EVERY: Final = 2
-"""Ticks from one look at what is in reach to the next."""
+"""Reach is checked once per this many ticks."""
 FADE_HALFLIFE: Final = 0.15
-"""Half-life [s] of the way to where the fader is."""
+"""Half-life [s] with which the fader is followed."""
 
 
 class Holding:
-    """The holds of A dancers with whom each of them answers."""
+    """The hand holds of A dancers with their leaders."""
 
     def __init__(self, count: int) -> None:
         self.leader: Int32 = np.full((count, 2), NOBODY, np.int32)
-        """Whose hand each dancer's left and right hold, or are still on the way from, NOBODY for none, (A, 2)."""
+        """Leader whose hand each dancer's left and right hold or are releasing, NOBODY for none, (A, 2)."""
         self.hand: Int32 = np.zeros((count, 2), np.int32)
-        """Which hand that is, 0 left, 1 right, (A, 2)."""
+        """Which hand of the leader, 0 left, 1 right, (A, 2)."""
         self.closed: Float64 = np.zeros((2, count, 2))
-        """How far each hold is closed, 0 to 1, and how fast that changes [1/s], (2, A, 2)."""
+        """How far each hold is closed, 0 to 1, and its rate of change [1/s], (2, A, 2)."""
         self.within: Bool = np.zeros((count, 2), np.bool_)
         """Whether that hand is within reach, (A, 2)."""
         self.apart: Float64 = np.zeros((count, 2))
-        """How far the palms would be from each other if nobody reached [m], (A, 2)."""
+        """Distance between the palms without any reaching [m], (A, 2)."""
         self.missed = 0
-        """How often a hold was let go, or not taken, because the other hand was out of reach."""
-        self._left: Float64 = np.zeros((count, 2))  # for how long each is being let go: it opens wholly first [s]
-        self._place: Float32 = np.zeros((count, 2, 3), np.float32)  # of palms, seen from the own chest and shoulder [m]
-        self._wanted: Float64 = np.zeros((count, 2))  # for how long each has been, within reach [s]
+        """Number of holds released, or not taken, because the other hand was out of reach."""
+        self._left: Float64 = np.zeros((count, 2))  # time since release began; a hold opens fully first [s]
+        self._place: Float32 = np.zeros((count, 2, 3), np.float32)  # leader's palm from the follower's shoulder [m]
+        self._wanted: Float64 = np.zeros((count, 2))  # time wanted and within reach [s]
         self._told: Bool = np.zeros((count, 2), np.bool_)
         self._amount: Float64 = np.ones(count)
         self._ticks = 0
-        self._rows: list[tuple[int, int]] = []  # who holds, by which hand; leaders first
+        self._rows: list[tuple[int, int]] = []  # (dancer, hand) of all holds; leaders first
         self._last: dict[
             tuple[int, int], tuple[float, float, float]
-        ] = {}  # how far and where palms were at the last look
+        ] = {}  # reach, direction and distance at the last check
         self._laid: list[tuple[int, int, int, int]] = []
         self._lay()
 
     @property
     def held(self) -> int:
-        """How many hands are held now, more than half closed."""
+        """Number of hands held now (more than half closed)."""
         return int((self.closed[0] > 0.5).sum())
 
     def figures(self) -> dict[str, int]:
-        """How many hands are held, and how often one was out of reach so far."""
+        """Return the number of hands held, and how often one was out of reach so far."""
         return {"held": self.held, "out_of_reach": self.missed}
 
     def tick(self, wanted: Sequence[Held], see: See, dt: float) -> None:
-        """A tick of `dt` [s]: these holds are wanted, leaders before those who answer them. `see` tells how some
-        dancers look now."""
+        """Advance by a tick of `dt` [s] with the `wanted` holds, leaders before their followers.
+
+        `see` returns the current poses of dancers.
+        """
         self._ticks += 1
         asked: dict[tuple[int, int], bool] = {}
         for one in wanted:
@@ -154,7 +154,7 @@ class Holding:
                 self._last.pop(row, None)
 
     def _fade(self, one: Held, dt: float) -> None:
-        """The fader, smoothly; at once where nothing is held."""
+        """Follow the fader smoothly; immediately if nothing is held."""
         row = one.follower
         share = 1.0 - math.exp2(-dt / FADE_HALFLIFE) if self.closed[0, row].any() else 1.0
         self._amount[row] += share * (one.amount - self._amount[row])
@@ -163,7 +163,8 @@ class Holding:
         return bool(self.leader[row, side] != NOBODY)
 
     def _want(self, row: int, side: int, leader: int, hand: int) -> bool:
-        """Whether what this hand has is wanted; a free hand takes up what is. One that has another lets go first."""
+        """Whether the hold that this hand has is wanted. A free hand takes the wanted hold; a busy one releases
+        first."""
         if hand == NOBODY:
             return False
         if self.leader[row, side] == NOBODY:
@@ -172,7 +173,7 @@ class Holding:
         return bool(self.leader[row, side] == leader and self.hand[row, side] == hand)
 
     def _lay(self) -> None:
-        """The rows as kernels ask for them, anew where they are others than at the last tick."""
+        """Rebuild the rows for the kernels if they changed since the last tick."""
         laid = [(int(self.leader[row]), row[0], int(self.hand[row]), row[1]) for row in self._rows]
         if laid and laid == self._laid:
             return
@@ -184,7 +185,7 @@ class Holding:
         self._far: Float32 = np.zeros((len(laid), 6), np.float32)
 
     def _look(self, asked: dict[tuple[int, int], bool], see: See, dt: float) -> None:
-        """What is within reach now, and soon."""
+        """Check what is within reach now and shortly."""
         position, rotation = see(self._looked)
         see_palms(position, rotation, self._where, self._hands, ARM_JOINTS, self._far)
         looks = SOON / (EVERY * dt)
@@ -207,7 +208,7 @@ class Holding:
                 self.missed += 1
 
     def _advance(self, row: int, side: int, goal: float, dt: float) -> None:
-        """Closes or opens as a critically damped spring."""
+        """Close or open as a critically damped spring."""
         closed, speed = self.closed[:, row, side].tolist()
         rate = 2.0 * math.log(2.0) / (HALFLIFE + SLOWER * float(self.apart[row, side]))
         away = closed - goal
@@ -219,7 +220,10 @@ class Holding:
 
     def reach(self, position: Float32, rotation: Float32, share: Float64, age: float) -> None:
         """Bring held palms together in poses (A, J, 3) [m] and (A, J, 4), world, in place, `age` [s] after the last
-        tick; of each dancer's answer so much is in, `share` (A,)."""
+        tick.
+
+        `share` (A,) is the blend weight of each dancer's answer.
+        """
         if not self._laid:
             return
         parts, kept = np.empty(len(self._laid), np.float32), np.zeros((len(self._laid), 4), np.float32)

@@ -1,4 +1,4 @@
-"""A recorded leader answered as if she were live: frame by frame, nothing known of what comes (H024)."""
+"""Evaluation of the live partner: a recorded leader answered causally, frame by frame (H024)."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -22,18 +22,17 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 LIVE_RATE: Final = 30.0
-"""Frames per second of the causal reading."""
+"""Frame rate of the causal decoder [Hz]."""
 ALIKE: Final = 0.2
-"""Units no farther from each other than this [m] (rms, `unit_distances`) are alike: those that `--cluster 0.2` may take
-for one."""
+"""Units at most this far from each other [m] (rms, `unit_distances`) are alike: `--cluster 0.2` may merge them."""
 
 
 def find_live(
     leader: Clip, x: Cloud, units: Units, search: Search, clock: Callable[[], float] = no_clock
 ) -> tuple[Partnered, dict[str, Any]]:
-    """The follower as she would have danced live, and what is to be said of it beside the offline search.
+    """Return the follower as generated live, and a comparison with the offline search.
 
-    `x` (T, P) is the leader's cloud at the rate of her clip. `clock` [s] is asked how long frames take.
+    `x` (T, P) is the leader's cloud at the rate of the clip. `clock` [s] measures the time per frame.
     """
     stages = Stages(clock)
     with stages("offline search, to compare"):
@@ -58,7 +57,7 @@ def find_live(
             danced.append((partner.unit, partner.begin))
             decided = _settled(decided, partner.seen, reader)
     if partner.unit < 0:
-        raise PersonError("the leader is too short for a single guess", "a longer motion")
+        raise PersonError("the leader's motion is too short to decode a unit", "a longer motion")
     first = next(pose for pose in poses if pose is not None)
     whole = [pose or first for pose in poses]
     root = np.array([pose.root for pose in whole])
@@ -104,7 +103,7 @@ def _at_rate(root: Float64, rotation: Float64, contact: Bool, count: int, rate: 
 def _settled(
     decided: list[tuple[int, int, float]], changes: list[tuple[int, int, float]], reader: LiveReader
 ) -> list[tuple[int, int, float]]:
-    """The last decision for each unit that was danced: what was mended meanwhile is not one."""
+    """Keep the final decision for each danced unit; a corrected decision replaces the previous one."""
     for unit, begin, seen in changes:
         if decided and begin < decided[-1][1] + 0.5 * float(reader.units.seconds[decided[-1][0]]) * reader.rate:
             decided = decided[:-1]
@@ -113,14 +112,16 @@ def _settled(
 
 
 def alike(units: Units, within: float = ALIKE) -> Bool:
-    """Which units are no farther than `within` [m] from each other, in what both dancers do (N, N): what clustering
-    may take for one."""
+    """Return which units are at most `within` [m] from each other in both dancers' motion (N, N), as clustering merges
+    them."""
     return np.asarray(unit_distances(units) <= within)
 
 
 def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5, alike: Bool | None = None) -> float:
-    """Share of the offline search's units that are danced live when `part` of them is over: the very same recording of
-    the very same moment or, with `alike` (N, N), one that is like it."""
+    """Return the share of the offline search's units that are danced live when `part` of them has passed.
+
+    The same moment of the same recording counts or, with `alike` (N, N), a unit like it.
+    """
     same = 0
     for unit, start, frames in zip(offline.unit, offline.start, offline.duration, strict=True):
         at = int((start + part * frames) / offline.rate * LIVE_RATE)
@@ -130,14 +131,14 @@ def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5
 
 
 def agreement_of(reading: Reading, offline: Reading) -> float:
-    """The same of another reading of the same input, in the place of what was danced."""
+    """Return the `agreement` of another reading of the same input instead of the danced units."""
     times = np.arange(int((reading.start[-1] + reading.duration[-1]) / reading.rate * LIVE_RATE) + 1) / LIVE_RATE
     which = np.maximum(np.searchsorted(reading.start, times * reading.rate + 1e-9, side="right") - 1, 0)
     return agreement([(int(reading.unit[n]), int(reading.start[n])) for n in which], offline)
 
 
 def _reading(danced: list[tuple[int, int]], offline: Reading) -> Reading:
-    """What was danced live as a reading at the rate of the offline one."""
+    """Return the units danced live as a reading at the offline rate."""
     rows = [danced[n] for n in range(len(danced)) if danced[n][0] >= 0 and (n == 0 or danced[n] != danced[n - 1])]
     ratio = offline.rate / LIVE_RATE
     start = np.array([round(begin * ratio) for _, begin in rows], np.int64)

@@ -1,7 +1,7 @@
-"""LiveReader: reads a leader frame by frame; each unit is told as early as it is clear (H024).
+"""Causal decoder: reads a leader frame by frame and reports each unit as early as it is clear (H024).
 
-Units that end now are finished as in the offline search, with the K best ways kept at each boundary; those that run
-are scored by what is seen of them. Where the clock knows beats, units begin and end on them.
+Units that end now are finished as in the offline search, with the K best paths kept at each boundary. Running units are
+scored by their observed part. If the clock provides beats, units begin and end on them.
 """
 
 from dataclasses import dataclass
@@ -22,21 +22,21 @@ Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
 WAYS: Final = 32
-"""Ways kept at each boundary."""
+"""Paths kept at each boundary."""
 BEAM: Final = 6.0
-"""Boundaries from which all units are worse than the best by this [m²] are looked at no more."""
+"""A boundary is dropped when all its units are worse than the best by this [m²]."""
 SPREAD: Final = 0.5
-"""Units whose score is worse than the best by this [m²] weigh 1/e of it where the follower's place is asked for."""
+"""In the follower's expected position a unit worse than the best by this [m²] has the weight 1/e."""
 FEWEST: Final = 6.0
-"""Frames that are seen of a unit before it says where she is."""
+"""Frames observed before a unit counts for the follower's expected position."""
 NEAREST: Final = 1.0
-"""Per cent of the recordings in which the two are nearer than she ever comes to a leader."""
+"""Percentile of the recorded distances to the leader that defines the minimum distance."""
 ENDS: Final = 4
-"""Points of a leader who is another body: hands, then feet. Other clouds are the walker's own hips."""
+"""Points of a leader that is another body: hands, then feet. Other clouds come from the follower's own hips."""
 
 
 def roots(clip: Clip) -> tuple[Complex128, Complex128]:
-    """Where the hips of a clip are on the floor (z + i x) and where they face, as unit numbers, (T,) each."""
+    """Return the hips of a clip on the floor (z + i x) and their facing as unit complex numbers, (T,) each."""
     front = quaternion.rotate(clip.rotation[:, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
     facing = front[:, 2] + 1j * front[:, 0]
     root = clip.root_position.astype(np.float64)
@@ -45,27 +45,27 @@ def roots(clip: Clip) -> tuple[Complex128, Complex128]:
 
 @dataclass(frozen=True, slots=True)
 class Guess:
-    """What is danced now, as far as is seen."""
+    """Hypothesis of the unit danced now."""
 
     unit: int
     begin: int
     """Frame at which it began."""
     step: float
-    """Samples of its recording a frame."""
+    """Samples of its recording per frame."""
     seen: float
-    """Share of it that is over, 0 to 1."""
+    """Share of it that has passed, 0 to 1."""
     worth: float
-    """Its score [m²]."""
+    """Its score [m²], lower is better."""
     turn: complex
-    """M, as far as is seen."""
+    """Rigid motion M estimated from the observed part."""
     shift: complex
 
 
 class LiveReader:
-    """Frames in, guesses out. Deterministic; one call a frame, nothing allocated that grows."""
+    """Decoder from frames to guesses. Deterministic; one call per frame, bounded memory."""
 
     def __init__(self, units: Units, *, rate: float, stretch: float, k: float, ways: int = WAYS) -> None:
-        """`rate` [Hz] of the frames; `k` for that rate (that of a search grows with its rate)."""
+        """`rate` [Hz] of the frames; `k` for that rate (the factor of a search grows with its rate)."""
         self.units, self.rate, self.k = units, rate, k
         self._stretches = made = make_stretches(units, rate, stretch)
         self._longest = int(made.duration[-1])
@@ -89,7 +89,7 @@ class LiveReader:
         self._most = np.array([made.duration[made.unit == n].max() for n in range(count)], np.float64)
 
     def _lay(self, made: Stretches) -> None:
-        """All that the kernels need, flat."""
+        """Flatten all data that the kernels need."""
         self._first = np.array([first for _, first, _ in made.groups] + [made.count], np.int64)
         self._offset = np.concatenate(([0], np.cumsum([one.size for one in made.real])))[:-1].astype(np.int64)
         self._real = np.concatenate([one.ravel() for one in made.real])
@@ -111,7 +111,8 @@ class LiveReader:
         self._root = np.concatenate([roots(one.follower)[0] for one in examples])
         self._facing = np.concatenate([roots(one.follower)[1] for one in examples])
         self.nearest = 0.0
-        """How near her hips come to the middle between the leader's feet [m]; 0 where there is no other body."""
+        """Minimum distance of the follower's hips from the middle between the leader's feet [m]; 0 without a second
+        body."""
         if self._control.shape[1] == ENDS:
             apart = np.abs(self._root - self._control[:, 2:].mean(axis=1))
             self.nearest = float(np.percentile(apart, NEAREST))
@@ -123,14 +124,14 @@ class LiveReader:
 
     @property
     def points(self) -> int:
-        """Points of the leader's cloud."""
+        """Number of points of the leader's cloud."""
         return int(self._x.shape[1])
 
     def frame(self, floor: Complex128, height: Float64, *, boundary: bool, unit_frames: float | None) -> None:
-        """The leader's next frame, points (P,) [m].
+        """Process the leader's next frame, points (P,) [m].
 
-        `boundary`: whether a unit may begin and end now (always, where no clock knows better). `unit_frames`: how many
-        frames the clock gives a unit that begins now; None: as long as it was recorded.
+        `boundary`: whether a unit may begin and end now (always true without beats). `unit_frames`: length by the clock
+        of a unit that begins now [frames]; None: the recorded length.
         """
         self._at += 1
         at, made = self._at, self._stretches
@@ -146,7 +147,7 @@ class LiveReader:
                 self._score, self._end, self._cell, self._before, self._work,
             )  # fmt: skip
             if at <= self._longest and not np.isfinite(self._score[slot, 0]):
-                self._score[slot, 0] = 0.0  # the dance may begin here
+                self._score[slot, 0] = 0.0  # the dance may start here
             if np.isfinite(self._score[slot, 0]):
                 self._begin(slot, unit_frames)
         score_running(
@@ -157,13 +158,15 @@ class LiveReader:
         )  # fmt: skip
 
     def latest(self, frames: int) -> Complex128:
-        """The leader's points in the latest frames, the newest first, at most `frames` of them."""
+        """Return the leader's points in the latest frames, newest first, at most `frames` of them."""
         count = min(frames, self._ring, self._at + 1)
         return np.asarray(self._x[(self._at - np.arange(count)) % self._ring])
 
     def expected(self) -> tuple[complex, complex] | None:
-        """Where the follower's hips are on the floor and where they face (a unit number) by all that is seen: the mean
-        over the units that run, each as likely as its score says. None where nothing runs."""
+        """Return the follower's expected hip position on the floor and facing (unit complex number), or None.
+
+        It is the mean over all running units, weighted by likelihood. None if no unit runs.
+        """
         count = expect_root(
             SPREAD, FEWEST, self._at, self._x, self._root, self._facing, self._record_first, self._record_stop,
             self.units.start, self.units.length, self._step, self._sums, self._input_sum, self._frames, self._value,
@@ -175,7 +178,7 @@ class LiveReader:
         return complex(self._expected[0]), facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
 
     def kept_away(self, place: complex) -> complex:
-        """`place`, or where it is pushed to off a leader that it is too near to."""
+        """Return `place`, moved away from the leader to the minimum distance if it is too near."""
         if self.nearest <= 0.0:
             return place
         middle = complex(self._x[self._at % self._ring, 2:].mean())
@@ -184,8 +187,7 @@ class LiveReader:
         return place if far >= self.nearest or far < 1e-9 else middle + away * (self.nearest / far)
 
     def rooted(self, unit: int, place: float) -> tuple[complex, complex]:
-        """Where the recorded follower's hips are on the floor and where they face at the sample `place` of a unit's
-        recording."""
+        """Return the recorded follower's hips on the floor and their facing at sample `place` of a unit's recording."""
         first, stop = int(self._record_first[unit]), int(self._record_stop[unit])
         place = min(max(place, 0.0), stop - first - 1.0)
         low = min(int(place), max(stop - first - 2, 0))
@@ -195,7 +197,8 @@ class LiveReader:
         return here, facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
 
     def worth(self, unit: int, begin: int) -> float:
-        """Score of a unit that began at frame `begin` [m²], by what is seen of it; infinite if it runs no more."""
+        """Return the score of a unit that began at frame `begin` [m²], from its observed part; infinite if it no longer
+        runs."""
         row = begin % self._ring
         frames = int(self._frames[row, 0])
         if frames < 1 or self._at - frames + 1 != begin:
@@ -203,7 +206,7 @@ class LiveReader:
         return float(self._value[row, unit])
 
     def placed(self, unit: int, begin: int) -> tuple[complex, complex]:
-        """M of a unit that runs since frame `begin`, by what is seen of it."""
+        """Return M of a unit running since frame `begin`, from its observed part."""
         row = begin % self._ring
         n = self._x.shape[1] * int(self._frames[row, 0])
         middle, own = self._input_sum[row] / n, self._sums[row, unit, 1] / n
@@ -220,7 +223,7 @@ class LiveReader:
         self._frames[slot, 0] = 0.0
 
     def guess(self, after: int = -1) -> Guess | None:
-        """The unit that is danced now, among those that began at frame `after` or later, None where there is none."""
+        """Return the best running unit among those that began at frame `after` or later, or None."""
         seen = np.maximum(self._frames[:, 0] - 1.0, 0.0)
         began = self._at - seen
         running = np.isfinite(self._score[:, 0]) & (self._frames[:, 0] > 1.0) & (began >= after)

@@ -1,16 +1,9 @@
-"""Where a follower is to be expected in a frame, from all units that run.
+"""Kernels of the causal decoder: finish units that end in a frame, score running units, expect the follower's position.
 
-Times are frames; rings of R frames, row t % R.
-
-Units that end in a frame, finished: the best ways that end there.
-
-Times are frames; rings of R frames, row t % R. At each boundary the K best ways that end there are kept. Parts that the
-other kernels of the reading need too stand here: what code a part becomes depends on where it was written into before,
-and the sums of `finish_units` are reassociated, so its last bits would, too. From here, that kernel is always first.
-
-Units that run in a frame, scored by their beginnings.
-
-Times are frames; rings of R frames, row t % R.
+Times are frames; buffers are rings of R frames, row t % R. At each boundary the K best paths that end there are kept.
+The functions shared by these kernels are defined in this module on purpose: the machine code of an inlined function
+depends on where it was compiled before, and the sums of `finish_units` are reassociated, so its last bits would depend
+on it too. Here that kernel is always compiled first.
 """
 
 from typing import Any
@@ -27,7 +20,7 @@ Int64 = npt.NDArray[np.int64]
 
 @part
 def turn_of(z: complex) -> Any:
-    """The unit number along z, 1 for none."""
+    """Return z normalized, 1 for zero."""
     norm = np.sqrt(z.real * z.real + z.imag * z.imag)
     return complex(z.real / norm, z.imag / norm) if norm > 1e-12 else complex(1.0, 0.0)
 
@@ -36,8 +29,10 @@ def turn_of(z: complex) -> Any:
 def best_way(
     score: Float64, tail: Float64, k: float, turn: complex, middle: complex, head: Complex128, up: Float64
 ) -> Any:
-    """The best of the K ways that end with `score` (K,), ascending, at `tail` (K, 12) for a unit
-    that begins at `head` (4,)."""
+    """Return the best of the K paths that end with `score` (K,), ascending, at `tail` (K, 12).
+
+    The unit that follows begins at `head` (4,).
+    """
     best, chosen = np.inf, -1
     for way in range(score.shape[0]):
         if not score[way] < best:
@@ -60,7 +55,7 @@ def best_way(
 
 @part
 def keep_way(score: Float64, cell: Int64, before: Int64, value: float, p: int, way: int) -> None:
-    """Put a way among the best K, the row (K,) in order, if it is one of them."""
+    """Insert a path into the sorted row (K,) of the K best if it is good enough."""
     last = score.shape[0] - 1
     if value >= score[last]:
         return
@@ -77,7 +72,7 @@ def _end(
     at: int, p: int, x: Complex128, duration: Int64, first: Int64, offset: Int64, real: Float64, imaginary: Float64,
     tail: Complex128, tail_height: Float64, out: Float64,
 ) -> None:  # fmt: skip
-    """Where the target of cell p ends that ends at frame `at`, into out (12,)."""
+    """Write the end of the target of cell p, which ends at frame `at`, to out (12,)."""
     ring, points = x.shape
     frames, row, count = duration[p], 0, 1
     for g in range(first.shape[0] - 1):
@@ -125,12 +120,12 @@ def finish_units(
     before: Int64,
     work: Float64,
 ) -> int:
-    """The cells that end at frame `at`, if it is a boundary: the K best into row at % R; how many were scored.
+    """Write the K best cells that end at frame `at`, a boundary, to row at % R; return how many were scored.
 
     x (R, P) and x_height: the input; duration, size, head, tail of the P cells as in Stretches; the G durations have
     the cells first[g] to first[g + 1] - 1, whose centred controls lie at offset[g] of real, imaginary and heights
-    (points by cells). score (R, K), end (R, K, 12), cell and before (R, K): what ends at each boundary, infinite
-    scores for none; work (4, P) is scratch.
+    (points by cells). score (R, K), end (R, K, 12), cell and before (R, K): the paths that end at each boundary,
+    infinite scores for none; work (4, P) is scratch.
     """
     ring, points = x.shape
     scored = 0
@@ -177,14 +172,14 @@ def finish_units(
 
 
 LATE: Any = 0.1
-"""By this share of its length a unit may be over that still says where the follower is."""
+"""A unit may exceed its length by this share and still count for the follower's position."""
 FAR: Any = 8.0
-"""Units that weigh less than e to the minus this are left out."""
+"""Units with a weight below e to the minus this are left out."""
 
 
 @part
 def _root_at(root: Complex128, facing: Complex128, first: int, stop: int, place: float) -> Any:
-    """Where a recording's hips are on the floor and where they face at the sample `place` of it."""
+    """Return a recording's hips on the floor and their facing at its sample `place`."""
     place = min(max(place, 0.0), float(stop - first - 1))
     low = min(int(place), max(stop - first - 2, 0))
     w = place - low
@@ -214,12 +209,12 @@ def expect_root(
     value: Float64,
     found: Complex128,
 ) -> int:
-    """Where the follower's hips are to be expected at frame `at`: the mean over all units that run, how many of them.
+    """Compute the follower's expected hips at frame `at`, the mean over all running units; return their number.
 
-    Only boundaries of which `fewest` frames are seen count: fewer say nothing of where a unit lies. A unit whose score
-    `value` (R, N) is worse than the best by v [m²] weighs exp(-v / spread). root and facing (S,): of
-    the followers in all recordings; length (N,) [samples] of the units, the others as in `score_running`. found (2,):
-    the place and, of any length, the facing; it is left alone where nothing runs.
+    Only boundaries with at least `fewest` observed frames count: fewer do not determine a unit's position. A unit whose
+    score `value` (R, N) is worse than the best by v [m²] weighs exp(-v / spread). root and facing (S,): of the
+    followers in all recordings; length (N,) [samples] of the units; the others as in `score_running`. found (2,): the
+    position and the facing (not normalized); unchanged if no unit runs.
     """
     ring, points = x.shape
     best = np.inf
@@ -258,12 +253,12 @@ def expect_root(
 
 
 SURE: Any = 5.0
-"""Before so many frames are seen no boundary is given up."""
+"""No boundary is dropped before this many frames are observed."""
 
 
 @part
 def _sample(floor: Complex128, height: Float64, first: int, stop: int, place: float, p: int) -> Any:
-    """Point p of a recording, whose samples are `first` to `stop` - 1, at the sample `place` of it."""
+    """Return point p of a recording with samples `first` to `stop` - 1 at its sample `place`."""
     place = min(max(place, 0.0), float(stop - first - 1))
     low = min(int(place), max(stop - first - 2, 0))
     w = place - low
@@ -298,14 +293,14 @@ def score_running(
     value: Float64,
     beam: float,
 ) -> None:
-    """All units that run at frame `at`, by what is seen of them: value (R, N), for each boundary and unit its score.
+    """Score all units that run at frame `at` by their observed part: value (R, N) for each boundary and unit.
 
     control (S, P): the samples of all recordings; of unit n they are record_first[n] to record_stop[n] - 1, and it
-    begins at the sample start[n] of those; step (R, N): samples a frame, as the clock has it, 0 where a unit does not
-    run. head (N, 4): the unit's first target sample. sums (R, N, 2): running conj(a) · x and sum of a; squares (R, N,
-    2): running |a|² and squared differences of heights; input_sum (R,) and input_square (R, 1), frames (R, 1): of the
-    input since each boundary. A boundary whose units are all worse than the best one of all by more than `beam` [m²]
-    is given up: its frames become -1.
+    begins at the sample start[n] of those; step (R, N): samples per frame by the clock, 0 if a unit does not run. head
+    (N, 4): the unit's first target sample. sums (R, N, 2): running conj(a) · x and sum of a; squares (R, N, 2): running
+    |a|² and squared differences of heights; input_sum (R,), input_square (R, 1), frames (R, 1): of the input since each
+    boundary. A boundary whose units are all worse than the best of all by more than `beam` [m²] is dropped: its frames
+    become -1.
     """
     ring, points = x.shape
     best_of_all = np.inf

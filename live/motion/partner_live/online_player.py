@@ -1,13 +1,9 @@
-"""LivePartner: the follower's pose for every frame of a leader; she never waits, and nothing jumps (H024).
+"""Follower poses for every frame of a live leader, without delay and without jumps (H024).
 
-As long as it is not clear what is danced now, she dances on in the recording that she is in; once it is clear, or half
-of the unit is over, she goes over to the unit that answers, and what differs in pose and speed fades. Where she is, is
-less of a guess than what she does: her place is the mean over all that may be danced (`LiveReader.expected`).
-
-Placing: where what she dances lies on the floor, brought to where she is expected without a jump.
-
-A recording is laid on the floor by a rigid motion M. It follows where the hips are expected, as far as feet allow: the
-floor under a foot that stands does not move fast.
+While the current unit is undecided the follower continues the present recording. When it is decided, or half of the
+unit has passed, the follower switches to the matching unit, and the differences of pose and velocity fade out. The
+position is more certain than the unit, so it is the mean over all hypotheses (`LiveReader.expected`). Recordings are
+placed on the floor by a rigid motion M that follows this position; it moves slowly while a foot is in contact.
 """
 
 from dataclasses import dataclass
@@ -20,21 +16,21 @@ from live.motion import quaternion
 from live.motion.partner_live.online_decoder import Guess, LiveReader
 
 FREE: Final = 0.08
-"""Time constant [s] with which she takes her place while no foot stands."""
+"""Time constant [s] of moving to the expected position while no foot stands."""
 STANDS: Final = 0.2
-"""The same while one does."""
+"""The same while a foot stands."""
 EASES: Final = 0.05
-"""Time constant [s] of the speed with which she does so."""
+"""Time constant [s] of the speed of that correction."""
 FASTEST: Final = 1.5
-"""She is moved no faster than this [m/s] besides what she dances ..."""
+"""Maximum speed of the correction [m/s], added to the recorded motion ..."""
 QUICKEST: Final = 4.5
-"""... and turned no faster than this [rad/s]; twice as fast off a leader whom she is too near to, ..."""
+"""... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
 STILL: Final = 0.4
-"""... and by this share of it while a foot stands."""
+"""... and scaled by this while a foot stands."""
 
 
 class Placing:
-    """M and how fast it changes: plain values."""
+    """The rigid motion M of a recording and its rate of change. Plain values."""
 
     def __init__(self) -> None:
         self.turn, self.shift = complex(1.0), complex(0.0)
@@ -43,23 +39,27 @@ class Placing:
         self._speed, self._turning = complex(0.0), 0.0
 
     def lay(self, root: complex, facing: complex, place: complex, front: complex) -> None:
-        """The M that brings the recording's hips at `root` to `place`, and where they face, `facing`, to `front`; it
-        goes on moving as it did."""
+        """Set M so that the recording's hips at `root` lie at `place` and their `facing` points to `front`.
+
+        Its rate of change is kept.
+        """
         self.turn = front / facing
         self.turn /= abs(self.turn)
         self.shift = place - self.turn * root
         self.rest()
 
     def rest(self) -> None:
-        """M stays as it is until it follows again."""
+        """Keep M constant until the next `follow`."""
         self._last_turn, self._last_shift = self.turn, self.shift
 
     def follow(
         self, root: complex, facing: complex, wanted: tuple[complex, complex], dt: float, *, stands: bool, near: bool
     ) -> None:
-        """M `dt` [s] later, on its way to where hips at `root` that face `facing` lie at the `wanted` place and face
-        as wanted. She turns about her hips, so that she is never swung round. While a foot `stands` that is slow;
-        where she is too `near` to the leader, never."""
+        """Advance M by `dt` [s] towards hips at `root` with `facing` at the `wanted` position and facing.
+
+        The rotation is about the hips, so that the follower does not swing around. It is slow while a foot `stands`,
+        but never if the follower is too `near` to the leader.
+        """
         slow = stands and not near
         seconds, eased = STANDS if slow else FREE, 1.0 - float(np.exp(-dt / EASES))
         share = STILL if slow else 2.0 if near else 1.0
@@ -73,7 +73,7 @@ class Placing:
         self.drift(root, dt)
 
     def drift(self, root: complex, dt: float) -> None:
-        """M `dt` [s] later as it moves now, hips at `root`."""
+        """Advance M by `dt` [s] at its current rate, hips at `root`."""
         self.rest()
         here = self.turn * root + self.shift
         turned = self.turn * np.exp(1j * self._turning * dt)
@@ -81,7 +81,7 @@ class Placing:
         self.shift = complex(here + self._speed * dt - self.turn * root)
 
     def at(self, part: float) -> tuple[complex, complex]:
-        """M at `part` of the way from the last frame to this one: as a turn and a shift."""
+        """Return M at `part` of the interval from the last frame to this one, as turn and shift."""
         turn = self._last_turn * np.exp(1j * part * float(np.angle(self.turn / self._last_turn)))
         return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
 
@@ -90,17 +90,17 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 LATEST: Final = 0.5
-"""Before more of a unit than this is over it is decided."""
+"""A unit is decided before more than this share of it has passed."""
 EARLIEST: Final = 0.35
-"""So much of a unit is waited for before it is answered."""
+"""A unit is switched to only after this share of it has passed."""
 SWITCH: Final = 0.02
-"""Within a unit she goes over to what is better than hers by this [m² a point], by less the later it is."""
+"""Within a unit a better one must be better by this [m² per point], decreasing with time."""
 SLACK: Final = 1e-9
-"""Against rounding."""
+"""Tolerance for rounding."""
 DECIDED: Final = 0.6
-"""What begins before so much of her unit is over is no answer to what comes next."""
+"""A unit that begins before this share of the current one is not its successor."""
 FADE: Final = 0.35
-"""Seconds in which what differs between two units fades."""
+"""Fade time of the difference between two units [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,16 +116,16 @@ class LivePose:
 
 
 class LivePartner:
-    """Follows one leader. State is plain values; frames and poses follow from what came in alone."""
+    """Follower of one leader. State is plain values; output depends only on the input frames."""
 
     def __init__(self, reader: LiveReader) -> None:
         self.reader = reader
         self.unit = -1
-        """The unit that is danced, -1 before the first."""
+        """Current unit, -1 before the first."""
         self.begin = 0
         """Frame at which it began."""
         self.seen: list[tuple[int, int, float]] = []
-        """What was decided at the latest frame: (unit, begin, share of the unit that was over)."""
+        """Decisions of the latest frame: (unit, begin, share of the unit that had passed)."""
         self._step = 1.0
         self._source = 0.0
         self._placing = Placing()
@@ -136,7 +136,7 @@ class LivePartner:
     def frame(
         self, floor: npt.NDArray[np.complex128], height: Float64, *, boundary: bool, unit_frames: float | None
     ) -> None:
-        """The leader's next frame, see `LiveReader.frame`."""
+        """Process the leader's next frame, see `LiveReader.frame`."""
         self.reader.frame(floor, height, boundary=boundary, unit_frames=unit_frames)
         dt = 1.0 / self.reader.rate
         self.seen.clear()
@@ -156,19 +156,19 @@ class LivePartner:
 
     @property
     def place(self) -> float:
-        """Sample of her unit's recording that she dances at the latest frame; only where something is `known`."""
+        """Current sample in the unit's recording; valid only if `known`."""
         return self._source
 
     @property
     def pace(self) -> float:
-        """Samples of it that she dances in a second."""
+        """Samples of the recording per second."""
         return self._step * self.reader.rate
 
     def _guess(self) -> Guess | None:
-        """What she goes over to now, if there is something.
+        """Return the unit to switch to now, or None.
 
-        In the first half of a unit that is the best guess, if it is better than hers by SWITCH; then what she dances is
-        decided until the next unit begins.
+        In the first half of a unit this is the best guess if it is better than the current one by SWITCH; after that
+        the unit is final until the next one begins.
         """
         if self.unit < 0:
             return self.reader.guess()
@@ -213,11 +213,11 @@ class LivePartner:
 
     @property
     def _rooted(self) -> tuple[complex, complex]:
-        """Where her recording has her hips, and where they face."""
+        """The hips and facing in the current recording."""
         return self.reader.rooted(self.unit, self._source)
 
     def _stood(self, bent: Float64) -> tuple[complex, complex]:
-        """Where her hips are on the floor, and where they face."""
+        """Return the follower's hips on the floor and their facing."""
         root, rotation = self._sampled(self._source)
         hips = quaternion.mul(rotation[0], quaternion.from_rotation_vector(bent[1]))
         front = quaternion.rotate(hips, np.array((0.0, 0.0, 1.0)))
@@ -226,7 +226,7 @@ class LivePartner:
         return complex(root[2] + bent[0, 2], root[0] + bent[0, 0]), facing
 
     def _motion(self, source: float) -> tuple[tuple[Float64, Float64], Float64]:
-        """Root and rotations of her unit at a sample of its recording, and their speeds [1/s]."""
+        """Return root and rotations of the unit at a sample of its recording, and their rates [1/s]."""
         here, rotation = self._sampled(source)
         there, other = self._sampled(source + self._step, 1.0)
         turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(rotation), other))
@@ -234,7 +234,10 @@ class LivePartner:
         return (here, rotation), np.asarray(speed, np.float64)
 
     def _sampled(self, source: float, placed: float = 0.0) -> tuple[Float64, Float64]:
-        """Root and rotations of her unit there; M is `placed` of its way from the last frame to this one."""
+        """Return root and rotations of the unit at sample `source`.
+
+        M is taken at the share `placed` between the last frame and this one.
+        """
         clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
         source = min(max(source, 0.0), clip.sample_count - 1.0)
         low = min(int(source), clip.sample_count - 2)
@@ -250,12 +253,13 @@ class LivePartner:
         return np.array((place.imag, root[1], place.real)), rotation
 
     def _contact(self, part: float) -> Bool:
-        """Which feet her recording has on the floor `part` of a frame after the latest one, (2,)."""
+        """Return the recording's foot contacts `part` of a frame after the latest one, (2,)."""
         clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
         return np.asarray(clip.contact[min(max(round(self._source + self._step * part), 0), clip.sample_count - 1)])
 
     def _bent(self, ahead: float) -> tuple[Float64, Float64]:
-        """What is left of the last change: offset and its speed, `ahead` [s] after the latest frame (a quintic)."""
+        """Return the remainder of the last switch: offset and its rate, `ahead` [s] after the latest frame (a
+        quintic)."""
         t = min((self._age + ahead) / FADE, 1.0)
         rest = 1.0 - t
         place, moving = rest**3 * (1.0 + 3.0 * t + 6.0 * t * t), FADE * t * rest**3 * (1.0 + 3.0 * t)
@@ -264,7 +268,7 @@ class LivePartner:
         return place * self._offset + moving * self._speed, falls * self._offset + slows * self._speed
 
     def _settle(self, dt: float) -> None:
-        """Towards where she is expected, off the leader where she is too near."""
+        """Move towards the expected position, and away from the leader if too near."""
         place, facing = self._rooted
         here = self._placing.turn * place + self._placing.shift
         expected = self.reader.expected()
@@ -276,7 +280,7 @@ class LivePartner:
         self._placing.follow(place, facing, wanted, dt, stands=stands, near=free != here)
 
     def pose(self, ahead: float = 0.0) -> LivePose:
-        """Her pose `ahead` [s] after the latest frame, a frame at most; only where one is `known`."""
+        """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `known`."""
         part = ahead * self.reader.rate
         root, rotation = self._sampled(self._source + self._step * part, part)
         offset, _ = self._bent(ahead)

@@ -1,6 +1,6 @@
-"""ReadLeader: one leader of a stage as she is read, and what answers her, frame by frame of her own beats.
+"""Live partner on the stage: reads one leader in frames of danced beats and provides the follower's poses.
 
-Standing: feet of those who answer are held where they stand, as those of all other dancers are (T050, K014).
+The follower's standing feet are locked like those of all other dancers (T050, K014).
 """
 
 import copy
@@ -26,66 +26,66 @@ Bool = npt.NDArray[np.bool_]
 Complex128 = npt.NDArray[np.complex128]
 
 RATE: Final = 30.0
-"""A leader is looked at about so many times a second, a whole number of times a beat."""
+"""Approximate frame rate at which a leader is read [Hz]; a whole number of frames per beat."""
 WAY_RATE: Final = 15.0
-"""The same of a way, which changes more slowly."""
+"""The same for an agent's path, which changes more slowly."""
 LEAST_MOVE: Final = 1e-4
-"""Whose points all move less than this [m] from frame to frame does not move."""
+"""A leader whose points all move less than this per frame [m] is still."""
 DECIDED: Final = 0.5
-"""When so much of a unit is over it is what is danced."""
+"""A unit is reported when this share of it has passed."""
 TURNS: Final = 0.2
-"""By so much of what is amiss a way's facing goes over to where it leads, from frame to frame."""
+"""Share of the error by which a path's facing approaches its direction per frame."""
 MADE: Final = 60.0
-"""Samples a second, about, of recordings in beats."""
+"""Approximate sample rate of recordings in beats [Hz]."""
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
 _SHARED: Final = (
     "units", "_stretches", "_first", "_offset", "_real", "_imaginary", "_heights", "_control", "_control_height",
     "_record_first", "_record_stop", "_head", "_head_height", "_root", "_facing",
 )  # fmt: skip
-"""What a reader has of its examples alone, and never changes; anything else belongs to its leader."""
+"""Attributes of a reader that depend only on the examples and never change; all others belong to one leader."""
 
 
 def frames_of(tempo: float, rate: float = RATE) -> int:
-    """How often in a beat a leader is looked at in a show of that `tempo` [bpm], to be looked at at `rate` [Hz]."""
+    """Return the number of frames per beat in a show of that `tempo` [bpm], for about `rate` [Hz]."""
     return max(4, round(rate * 60.0 / tempo))
 
 
 class Lore:
-    """What leaders are answered from: examples in beats, and a reader that has read nothing. It never changes."""
+    """Immutable examples in beats with an unused reader, shared by all leaders."""
 
     def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float, k: float) -> None:
-        """`units` in beats (`in_beats`, at `tempo` [bpm]), to be read `per_beat` times in each; `k` for that rate."""
+        """`units` in beats (`in_beats`, at `tempo` [bpm]), read `per_beat` times per beat; `k` for that rate."""
         self.units, self.unit_beats, self.per_beat = units, unit_beats, per_beat
         self.period = 60.0 / tempo
         self.stretch = stretch
         self.reader = LiveReader(units, rate=self.per_beat / self.period, stretch=stretch, k=k)
 
     def partner(self) -> LivePartner:
-        """Somebody who has seen nothing yet."""
+        """Return a new partner without input."""
         shared = [getattr(self.reader, name) for name in _SHARED if hasattr(self.reader, name)]
         return LivePartner(copy.deepcopy(self.reader, {id(value): value for value in shared}))
 
 
 class ReadLeader:
-    """Reads one leader; `root` and `turned` are what answers her now, half a frame later and a frame later."""
+    """Reads one leader; `root` and `turned` are the follower's poses now, half a frame later and a frame later."""
 
     def __init__(self, lore: Lore, shift: float = 0.0) -> None:
-        """Her frames begin `shift` (0 to 1) of a frame before those of the beat: not all leaders' at once."""
+        """The frames are offset by `shift` (0 to 1) of a frame, so that leaders are not all read at once."""
         self.lore, self._shift = lore, shift
         self.partner = lore.partner()
         self.line: int | None = None
-        """Number of the latest frame, counted in her own danced beats; None before the first."""
+        """Number of the latest frame, counted in the leader's danced beats; None before the first."""
         self.still = 0.0
-        """Frames for which she has not moved, or could not be seen."""
+        """Frames since the leader last moved or was visible."""
         self.root: Float32 = np.zeros((3, 3), np.float32)
         self.contact: Bool = np.zeros(2, np.bool_)
-        """Which of her feet stand."""
+        """Which of the follower's feet are in contact."""
         self.turned: Float32 = np.zeros((3, JOINT_COUNT, 4), np.float32)
         self.turned[..., 0] = 1.0
         self.answered = self.held = False
-        """Whether there has been an answer, and whether it is held: what is read now is not shown."""
+        """Whether there has been an answer, and whether the last one is held instead of the current one."""
         self.news = ""
-        """The label of a unit for which it was decided at the latest frame that it is danced; else empty."""
+        """Label of a unit that was decided at the latest frame; else empty."""
         self._told = (-1, -1)
         self._facing = complex(1.0)
         self._points: Complex128 = np.zeros(lore.reader.points, np.complex128)
@@ -93,11 +93,11 @@ class ReadLeader:
 
     @property
     def known(self) -> bool:
-        """Whether there is an answer that goes on."""
+        """Whether there is a current answer."""
         return self.partner.known and not self.held
 
     def hold(self, frames: float) -> None:
-        """Forget what was read; what was answered last, `frames` after its frame, is held until `let_go`."""
+        """Forget the input; hold the last answer, `frames` after its frame, until `let_go`."""
         begin, t = (1, 2.0 * frames - 1.0) if frames >= 0.5 else (0, 2.0 * frames)
         self.root[:] = (1.0 - t) * self.root[begin] + t * self.root[begin + 1]
         self.turned[:] = quaternion.slerp(self.turned[begin], self.turned[begin + 1], np.full(JOINT_COUNT, t))
@@ -105,22 +105,22 @@ class ReadLeader:
         self.held = self.answered
 
     def let_go(self) -> None:
-        """Nobody shows what is held any more."""
+        """Stop holding: the held answer is no longer shown."""
         self.held = False
 
     def due(self, danced: float) -> int:
-        """How many frames have begun since the latest one, when she has `danced` so many beats."""
+        """Return the number of frames due since the latest one, after `danced` beats."""
         return 1 if self.line is None else int(np.floor(self._frames_in(danced))) - self.line
 
     def _frames_in(self, danced: float) -> float:
         return danced * self.lore.per_beat + self._shift + 1e-9
 
     def since(self, danced: float) -> float:
-        """How many frames have passed since the latest one; 0 where there was none."""
+        """Return the (fractional) frames since the latest one; 0 if there was none."""
         return 0.0 if self.line is None else self._frames_in(danced) - self.line
 
     def frame(self, floor: Complex128, height: Float64, danced: float, window: float) -> None:
-        """Her points (P,) [m] when she has `danced` so many beats; units begin within `window` [s] of their lines."""
+        """Process the leader's points (P,) [m] after `danced` beats; units begin within `window` [s] of their lines."""
         lore = self.lore
         line = int(np.floor(self._frames_in(danced)))
         passed = 1 if self.line is None else line - self.line
@@ -143,7 +143,10 @@ class ReadLeader:
             self._tell()
 
     def shadows(self, place: Float32, velocity: Float32, row: int) -> tuple[Complex128, Float64]:
-        """What is read of an agent's way: shadows of hips that face where she goes, held where she stands (H019)."""
+        """Return the decoder's input for an agent's path: shadows of hips that face the direction of motion (H019).
+
+        While the agent stands the facing is kept.
+        """
         way = complex(float(velocity[row, 1]), float(velocity[row, 0]))
         speed = abs(way)
         if speed > STILL:
@@ -155,7 +158,7 @@ class ReadLeader:
         return cloud.floor[0], cloud.height[0]
 
     def _show(self, *, goes_on: bool) -> None:
-        """The next poses; where the same unit `goes_on`, the first one is where the last one has led."""
+        """Update the poses; if the same unit `goes_on`, the first pose is the previous last one."""
         frame = self.lore.period / self.lore.per_beat
         first = 1 if goes_on else 0
         if goes_on:
@@ -167,7 +170,7 @@ class ReadLeader:
         self.answered = True
 
     def _tell(self) -> None:
-        """A unit is told once, when so much of it is over that it stays."""
+        """Report a unit once, when so much of it has passed that it is final."""
         partner = self.partner
         if (partner.unit, partner.begin) == self._told:
             return
@@ -182,7 +185,7 @@ Int32 = npt.NDArray[np.int32]
 
 
 class Standing:
-    """The feet of A dancers, of whom few answer."""
+    """Foot lock for the followers among A dancers."""
 
     def __init__(self, count: int) -> None:
         self.lock = FootLock(count)
@@ -191,15 +194,17 @@ class Standing:
         self._pipeline = PosePipeline(0)
 
     def tick(self, rows: Int32, position: Float32, contact: Bool, dt: float) -> None:
-        """A tick of `dt` [s]: the dancers `rows` (n,) would be at `position` (n, J, 3), and these of their feet stand,
-        `contact` (n, 2); all others' feet are let go."""
+        """Advance by `dt` [s]: unlocked poses `position` (n, J, 3) and `contact` (n, 2) of the dancers `rows` (n,).
+
+        All other dancers' feet are released.
+        """
         self._contact[:] = False
         self._contact[rows] = contact
         self._legs[rows] = position[:, LEG_JOINTS]
         self.lock.tick(self._legs, self._contact, dt)
 
     def hold(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
-        """Hold the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""
+        """Lock the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""
         if not len(rows) or not self.lock.farthest:
             return
         if len(self._pipeline.age) != len(rows):

@@ -1,4 +1,4 @@
-"""Kernels of a partner on the stage: dancers of a crowd shown as what answers their leaders, as far as that is in."""
+"""Kernels that blend a live partner's poses into the dancers on the stage."""
 
 import math
 
@@ -14,7 +14,8 @@ Int32 = npt.NDArray[np.int32]
 
 @part
 def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
-    """`share` of the way from the rotation `a` to `b`, either sign of it, into `out`, unit; a little beyond is fine."""
+    """Write the normalized blend of rotations `a` to `b` (nearest signs) at `share` to `out`; slight extrapolation is
+    fine."""
     dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
     left, right = 1.0 - share, -share if dot < 0.0 else share
     size = 0.0
@@ -28,19 +29,19 @@ def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
 
 @part
 def _heading(q: Float32) -> float:
-    """Where hips of the rotation `q` face [rad]."""
+    """Return the heading of hips with the rotation `q` [rad]."""
     return math.atan2(2.0 * (q[1] * q[3] + q[0] * q[2]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
 
 
 @part
 def _near(angle: float, other: float) -> float:
-    """The angle [rad] that means the same as `angle` and is nearest to `other`."""
+    """Return the angle [rad] equivalent to `angle` that is nearest to `other`."""
     return other + (angle - other + math.pi) % (2.0 * math.pi) - math.pi
 
 
 @part
 def _turn(out: Float32, q: Float32, yaw: float) -> None:
-    """The rotation `q` turned about the vertical by `yaw` [rad], into `out`."""
+    """Write the rotation `q` turned about the vertical by `yaw` [rad] to `out`."""
     c, s = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
     w, x, y, z = q[0], q[1], q[2], q[3]
     out[0] = np.float32(c * w - s * y)
@@ -51,8 +52,10 @@ def _turn(out: Float32, q: Float32, yaw: float) -> None:
 
 @kernel("f8(f4[::1], f4[::1], f8)")
 def turn_between(own: Float32, answer: Float32, before: float) -> float:
-    """From where hips of the rotation `own` face to where those of `answer` do [rad]: the one nearest to `before`, so
-    that who has to turn about does not waver."""
+    """Return the turn from the heading of hips `own` to that of `answer` [rad], the one nearest to `before`.
+
+    A dancer who has to turn about therefore does not change direction midway.
+    """
     turn: float = _near(_heading(answer) - _heading(own), before)
     return turn
 
@@ -76,12 +79,13 @@ def show_answers(
     offsets: Float32,
     parents: Int32,
 ) -> None:
-    """Change poses of the F dancers `who`, in `position` (A, J, 3) and `rotation` (A, J, 4), world, to what answers.
+    """Blend the answers into the poses of the F dancers `who`, in `position` (A, J, 3) and `rotation` (A, J, 4), world.
 
-    `led` (F,): which of the L answers is whose; `root` (L, 3, 3) [m] and `turned` (L, 3, J, 4), world, are poses of the
-    answers now, half a frame and a frame later, `frames` (F,) how many frames have passed. `share` (F,) of it is in;
-    `turn` (F,) [rad] led from where she faced to where her answer did at the last tick, when she was at `place` (F, 2)
-    [m] and it at `answered` (F, 2): since then she goes as both go.
+    `led` (F,): which of the L answers belongs to each; `root` (L, 3, 3) [m] and `turned` (L, 3, J, 4), world, are poses
+    of the answers now, half a frame and a frame later, `frames` (F,) how many frames have passed. `share` (F,) is the
+    weight of the answer; `turn` (F,) [rad] was the turn from the dancer's own heading to the answer's at the last tick,
+    when the dancer was at `place` (F, 2) [m] and the answer at `answered` (F, 2). Since then the position moves with
+    both.
     """
     now, own = np.empty(4, np.float32), np.empty(4, np.float32)
     for f in range(who.shape[0]):
@@ -129,7 +133,7 @@ def show_answers(
 
 @kernel("void(f8[:,:,::1], i4[::1], f4[:,:,::1])")
 def turn_joints(rotation: Float64, parents: Int32, out: Float32) -> None:
-    """Local rotations (T, J, 4) in the world, into `out` (T, J, 4); parents come before their joints."""
+    """Convert local rotations (T, J, 4) to world, into `out` (T, J, 4); parents come before their joints."""
     for t in range(rotation.shape[0]):
         for j in range(parents.shape[0]):
             qw, qx, qy, qz = rotation[t, j, 0], rotation[t, j, 1], rotation[t, j, 2], rotation[t, j, 3]
@@ -153,7 +157,7 @@ def turn_joints(rotation: Float64, parents: Int32, out: Float32) -> None:
 
 @kernel("void(f4[:,:,::1], i4[::1], f4[:,:,::1])")
 def joints_in_parents(rotation: Float32, parents: Int32, out: Float32) -> None:
-    """World rotations (T, J, 4) as each joint's own in its parent's, into `out` (T, J, 4): undoes `turn_joints`."""
+    """Convert world rotations (T, J, 4) to local ones, into `out` (T, J, 4): the inverse of `turn_joints`."""
     for t in range(rotation.shape[0]):
         for j in range(parents.shape[0]):
             parent = parents[j]

@@ -1,1 +1,1 @@
-"""The pose pipeline: samples, blends, foot lock, root warp, hand holds. It may import what `motion` may."""
+"""The pose pipeline: sampling, blending, foot lock, root warp, hand holds. May import what `motion` may."""

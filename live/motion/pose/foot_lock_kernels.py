@@ -1,10 +1,8 @@
-"""Legs in blocks of dancers: feet brought to where they stand by two-bone inverse kinematics.
+"""Foot lock kernels: two-bone inverse kinematics for legs in blocks of dancers, and the per-tick lock state.
 
-Rows as in rows/kernels.py: `world` is (J, 7, BLOCK), rotations (w, x, y, z) then positions [m]. The joints of a leg
-are copied into an array of their own, made here with rows of a constant length: only then does the compiler know that
-they do not overlap, and turns the loops into vector instructions.
-
-Where held and free feet are between two ticks, for the pose kernels.
+Rows as in `sample_kernels`: `world` is (J, 7, BLOCK), rotations (w, x, y, z) then positions [m]. The joints of a leg
+are copied into a local array with rows of constant length: only then can the compiler rule out aliasing and vectorize
+the loops.
 """
 
 import math
@@ -22,37 +20,36 @@ Bool = npt.NDArray[np.bool_]
 Rotation = tuple[float, float, float, float]
 
 LENGTH_BUFFER: Any = np.float32(0.015)
-"""A leg is not stretched beyond its length less this [m], unless the clip itself stretches it farther."""
+"""A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 STRAIGHTENING: Any = np.float32(0.03)
-"""Over the last of this [m] a leg gives way more and more instead of becoming straight at once: knees would snap."""
+"""Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
 PELVIS_DROP: Any = np.float32(0.02)
-"""The hips sink by this much [m] at most so that both feet reach."""
+"""Maximum drop of the hips [m] so that both feet reach."""
 FARTHEST: Any = np.float32(0.25)
-"""A foot is never carried farther than this [m] from where the clip has it."""
+"""Maximum distance [m] of a locked foot from its position in the clip."""
 FORWARD: Any = np.float32(0.04)
-"""A knee that is straight bends forward; the more it is bent already, the less this counts [m]."""
+"""Forward bias of the knee direction [m], which decides for a straight knee and matters less for a bent one."""
 SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLID, STOOD = range(12)
-"""Columns of a foot: shift [m] at the last tick, the place [m] where the clip had the carrying point then, how much of
-that point is the toes (the rest is the ankle), 1 while the foot is held and 0 while it is free, how far it is lifted
-[m] so that it stood on the floor when it was held; and, the lock's own business, speeds of the shift and the lift
-[m/s], how far it has slid [m] while its clip had it on the floor, and for how long that was [s]."""
+"""Columns of a foot: shift [m] at the last tick, the position [m] of the contact point in the clip then, weight of the
+toes in the contact point (the rest is the ankle), 1 while held and 0 while free, lift [m] that put the foot on the
+floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, and
+its duration [s]."""
 FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
 CLEAR, ROUND, FEET_COLUMNS = 7, 8, 9
-"""Of these the first seven say where a foot shall be, with two more for the picture: how high [m] it should be lifted
-at least, because one of the clips that are blended has it in the air, and over how many [m] that begins softly."""
+"""The first seven columns give the foot's target. Two more are for drawing: minimum height [m], because one of the
+blended clips has the foot in the air, and the distance [m] over which that minimum sets in smoothly."""
 UNLOCK: Any = np.float32(0.2)
 GRAB: Any = np.float32(0.08)
 JUMP: Any = np.float32(0.5)
-"""A foot is let go when it is shifted this far [m], held anew only when nearer than this, and never held through a jump
-of its clip of more than this in a tick."""
+"""A foot is released when its shift exceeds UNLOCK [m], held again only below GRAB [m], and never held through a jump
+of its clip by more than JUMP [m] in a tick."""
 RELEASE_HALFLIFE: Any = np.float32(0.07)
-"""A free foot is back at its clip's place by half in this time [s]."""
+"""Half-life with which a free foot returns to its clip [s]."""
 TOES_UP: Any = np.float32(0.01)
-"""Toes this much [m] higher than the heel are lifted; a foot that is flat is held by its ball, which stays when it
-rolls off."""
+"""Toes higher than the heel by this [m] are lifted; a flat foot is held by its ball, which stays when it rolls off."""
 ROLL: Any = np.float32(0.001)
-"""Heights [m] over which the carrying point goes from heel to toes: at once, for what is between the two moves with
-both. Shifts are counted from tick to tick of one point, so that the change moves nothing."""
+"""Height range [m] over which the contact point changes from heel to toes. It is short because a point in between moves
+with both. Shifts are accumulated per tick from one point, so the change itself moves nothing."""
 _ONSET: Any = np.float32(0.005)
 _STRETCH: Any = np.float32(0.005)
 _LN2: Any = np.float32(math.log(2.0))
@@ -74,7 +71,7 @@ def _length(offsets: Float32, joint: int) -> float:
 def _turned(
     ax: float, ay: float, az: float, bx: float, by: float, bz: float, qw: float, qx: float, qy: float, qz: float
 ) -> Rotation:
-    """The rotation q turned the shortest way that brings direction a to direction b."""
+    """Return q rotated the shortest way that takes direction a to direction b."""
     scale = _ONE / math.sqrt(max((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), _TINY))
     w = _ONE + (ax * bx + ay * by + az * bz) * scale
     x, y, z = (ay * bz - az * by) * scale, (az * bx - ax * bz) * scale, (ax * by - ay * bx) * scale
@@ -92,10 +89,10 @@ def _turned(
 def _aim(
     leg: Float32, asked: Float32, feet: Float32, side: int, sole: float, toes_over_sole: float, start: int, stop: int
 ) -> None:
-    """Where the ankle shall be, rows _GOAL.. of `leg` [m].
+    """Compute the ankle target, rows _GOAL.. of `leg` [m].
 
-    A held foot's carrying point stays where it was at the last tick; a free one keeps its (vanishing) shift and lift.
-    No sole goes below the floor, or lower than CLEAR of it.
+    A held foot's contact point stays where it was at the last tick; a free one keeps its decaying shift and lift. No
+    sole goes below the floor, or below the height CLEAR.
     """
     for i in range(BLOCK):
         row = feet[min(start + i, stop - 1), side]
@@ -118,10 +115,10 @@ def _aim(
 
 @part
 def _sink(drop: Float32, leg: Float32, whole: float) -> None:
-    """Let the hips sink, `drop` (BLOCK,) [m], so far that the leg of length `whole` nearly reaches its goal.
+    """Compute the hips' `drop` (BLOCK,) [m] such that a leg of length `whole` nearly reaches its goal.
 
-    They begin gently and never sink by more than PELVIS_DROP: with a hard bound they would stop at once, and the knee
-    snap straight.
+    The drop starts smoothly and approaches PELVIS_DROP: with a hard limit it would stop abruptly and the knee would
+    snap.
     """
     for i in range(BLOCK):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
@@ -136,7 +133,8 @@ def _sink(drop: Float32, leg: Float32, whole: float) -> None:
 
 @part
 def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
-    """Two bones from the sunk hip to the goal, the knee kept in its plane; foot and toes keep their rotation."""
+    """Two-bone IK from the lowered hip to the goal with the knee kept in its plane; foot and toes keep their
+    rotation."""
     whole = upper + lower
     for i in range(BLOCK):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
@@ -154,7 +152,7 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         nx, ny, nz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        # the knee points where it does in the clip, seen from the line hip to ankle; forward in a straight leg
+        # the knee keeps its direction from the line hip to ankle in the clip; forward in a straight leg
         w, x, y, z = leg[_HIP, i], leg[_HIP + 1, i], leg[_HIP + 2, i], leg[_HIP + 3, i]
         part = (ux * ex + uy * ey + uz * ez) / max(ex * ex + ey * ey + ez * ez, _TINY)
         px = ux - part * ex + FORWARD * (x * z + w * y)
@@ -190,11 +188,11 @@ def stand_legs(
     start: int,
     stop: int,
 ) -> None:
-    """Foot lock of a block: feet to their places, the hips a little down where a leg is too short.
+    """Apply the foot lock to a block: feet to their targets, hips slightly lowered if a leg is too short.
 
-    `feet` (A, 2, 9) says where; `legs` (8,) are hip, knee, ankle and toes of the left and the right leg; `sole` and
-    `toes_over_sole` [m] the heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and
-    two-bone legs as in Holden's Motion-Matching; no branch and no trigonometry, so that blocks run at full width.
+    `feet` (A, 2, 9): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `toes_over_sole` [m]: heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and two-bone
+    legs as in Holden's Motion-Matching; without branches and trigonometry, so that blocks are vectorized.
     """
     left, right = np.empty((_ROWS, BLOCK), np.float32), np.empty((_ROWS, BLOCK), np.float32)
     asked, drop = np.empty((FEET_COLUMNS, BLOCK), np.float32), np.zeros(BLOCK, np.float32)
@@ -224,14 +222,13 @@ def stand_legs(
 def follow_feet(
     lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
 ) -> None:
-    """One tick of the foot lock of A dancers: `lock` (A, 2, 12) follows the unlocked feet.
+    """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 12) follows the unlocked feet.
 
-    `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg as the clips have
-    them; `contact` (A, 2): whether the clips say that the foot stands. While it does, its carrying point is held: the
-    shift grows by what that point moved, so that it stays exactly where it was. The carrying point is the lower one of
-    ankle and toes, so the foot may roll from heel to ball. A foot shifted too far lets go; free feet swing back to
-    their clip, critically damped from the speed they had, so that nothing jumps: sideways, and down from where a clip
-    that is mixed with another had to be lifted to stand on the floor.
+    `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg in the clips;
+    `contact` (A, 2): whether the clips have the foot on the floor. During contact the contact point is held: the shift
+    compensates its movement exactly. The contact point is the lower one of ankle and toes, so the foot may roll from
+    heel to ball. A foot shifted too far is released. Free feet return to their clip, critically damped from their
+    current speed: horizontally, and downwards if a blended clip had to be lifted to stand on the floor.
     """
     decay = _TWO * _LN2 / RELEASE_HALFLIFE
     for n in range(lock.shape[0]):
@@ -261,7 +258,7 @@ def follow_feet(
                 row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
-            followed = row[FROM_X] != _ZERO or row[FROM_Z] != _ZERO  # else it was only put where it is
+            followed = row[FROM_X] != _ZERO or row[FROM_Z] != _ZERO  # false if this foot has not been followed yet
             if contact[n, side] and followed:
                 slid_x, slid_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
                 row[SLID] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
@@ -280,7 +277,8 @@ Float64 = npt.NDArray[np.float64]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
 def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
-    """Write `feet` (A, 2, 9) from the foot lock `lock` (A, 2, 12), `age` [s] after its tick: free feet swing on."""
+    """Write `feet` (A, 2, 9) from the lock state `lock` (A, 2, 12), `age` [s] after its tick; free feet are
+    extrapolated."""
     for n in range(lock.shape[0]):
         for side in range(2):
             row, out = lock[n, side], feet[n, side]
@@ -294,7 +292,7 @@ def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
 
 @kernel("f4(f4[:,:,::1])")
 def farthest_shift(lock: Float32) -> float:
-    """How far [m] any foot of the foot lock `lock` (A, 2, 12) is shifted along x or z."""
+    """Return the largest shift [m] of any foot of `lock` (A, 2, 12) along x or z."""
     most: float = np.float32(0.0)  # type: ignore[assignment]
     for n in range(lock.shape[0]):
         for side in range(2):
@@ -304,7 +302,7 @@ def farthest_shift(lock: Float32) -> float:
 
 @kernel("void(f4[:,:,::1], f8[::1], f8[::1])")
 def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
-    """Take out of the foot lock how far both feet have `slid` (A,) [m] and for how long they `stood` (A,) [s]."""
+    """Read and reset the slide of both feet, `slid` (A,) [m], and its duration, `stood` (A,) [s]."""
     for n in range(lock.shape[0]):
         slid[n] = float(lock[n, 0, SLID]) + float(lock[n, 1, SLID])
         stood[n] = float(lock[n, 0, STOOD]) + float(lock[n, 1, STOOD])
@@ -314,7 +312,7 @@ def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
 
 @kernel("void(b1[:,::1], f8[::1])")
 def hold_where_wanted(contact: Bool, wanted: Float64) -> None:
-    """Feet of those whose `wanted` (A,) is 0 are never held: their `contact` (A, 2) does not count."""
+    """Clear the `contact` (A, 2) of dancers whose `wanted` (A,) is 0, so that their feet are never held."""
     for n in range(contact.shape[0]):
         if wanted[n] == 0.0:
             contact[n, 0] = contact[n, 1] = False

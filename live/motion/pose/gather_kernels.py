@@ -1,4 +1,4 @@
-"""What is asked of the pose pipeline: samples, places and shares of all dancers' clips, in one pass."""
+"""Kernels that fill the pose pipeline's inputs: samples, placements and shares of all dancers' clips in one pass."""
 
 import math
 
@@ -19,13 +19,13 @@ Bool = npt.NDArray[np.bool_]
 
 PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
 LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
-"""Rows of `sample`, `placement` and `share` as in posing/kernels.py."""
+"""Rows of `sample`, `placement` and `share` as in `pipeline_kernels`."""
 CLEARED = 0.08
-"""A foot is never asked to be clear of the floor by more than this [m], gently less from half of it on."""
+"""Maximum clearance requested for a foot [m], compressed from half of it on."""
 MINOR = 0.25
-"""A clip with a smaller share than this in a pose counts less for where its feet should be clear of the floor."""
+"""A clip with a smaller share than this in a pose counts less for foot clearance."""
 SOFT = 0.3
-"""That begins over this part of the height."""
+"""Part of the height over which the clearance sets in."""
 
 
 @kernel("b1(i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1])")
@@ -41,7 +41,7 @@ def same_measures(
 
 @kernel("void(f8[::1], f8, f8[:,::1], f8)")
 def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> None:
-    """Phases (A,) of clips whose measures are warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
+    """Compute phases (A,) of measures warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
     room = 1.0 - window
     for n in range(out.shape[0]):
         out[n] = fraction
@@ -57,9 +57,9 @@ def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> 
 def delay_phases(
     out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, late_before: Float64, late: Float64
 ) -> tuple[float, float]:
-    """Phases (A,) as `warp_phases` has them, `ahead` (A,) by another warp and late on purpose; the lowest and highest.
+    """Compute phases (A,) as `warp_phases`, plus `ahead` (A,), minus deliberate delay; return the lowest and highest.
 
-    Lateness goes from `late_before` (A,) to `late` (A,) through the measure; nobody is more than a measure behind.
+    The delay goes from `late_before` (A,) to `late` (A,) through the measure; no dancer is more than a measure behind.
     """
     warp_phases(out, fraction, warp, window)
     share, lowest, highest = ease(fraction), np.inf, -np.inf
@@ -96,9 +96,9 @@ def mix_take(
     path: float,
     body: float,
 ) -> None:
-    """The other take of dancer `n`, whose own clip lies at x, z, path, body: rows `row` and `share_row` of the answers.
+    """Fill rows `row` and `share_row` for the other take of dancer `n`, whose own clip lies at x, z, path, body.
 
-    Both clips have their hips at one place and face the same way when the measure begins (T045).
+    Both clips have their hips at one position and the same facing when the measure begins (T045).
     """
     share[share_row, n], share[share_row + 1, n] = lower, upper
     if lower == 0.0 and upper == 0.0:
@@ -153,18 +153,17 @@ def ask_dancers(
     mean: Int32,
     loudness: Float32,
 ) -> None:
-    """Fill the pipeline's arrays for the dancers `rows` (n,) who are at `phase` (n,) of their measures, 0 to 1: what
-    lies beyond stands at the line.
+    """Fill the pipeline's arrays for the dancers `rows` (n,) at `phase` (n,) of their measures, clamped to 0 to 1.
 
-    Their measures: `node`, `where` (A, 3) their clips lie, `correction` and `aimed` (A, 3), `on_support`, `take`,
-    `take_share` (2, A) and `amplitude` (2, A), which is eased by `fraction`; of the measures after them, if the dance
+    Their measures: `node`, `where` (A, 3) placement of the clips, `correction` and `aimed` (A, 3), `on_support`,
+    `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures, if the dance
     `goes_on`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N nodes: `first`,
-    `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and `rise`.
-    Answers as `PosePipeline` has them: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
-    amplitude `loudness` (A,).
+    `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and `rise`. Outputs
+    as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A), amplitude `loudness`
+    (A,).
     """
     for i in range(rows.shape[0]):
-        n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # whatever is asked for, no clip is read beyond its measure
+        n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # never read a clip beyond its measure
         own = max(node[n], 0)
         x, z, path, body = placed(where[n], correction[n], aimed[n], at, turns[own], rise[own], on_support[n])
         sample[PRESENT, n] = first[own] + at * (last[own] - first[own])
@@ -180,7 +179,7 @@ def ask_dancers(
         share[INTO_NEXT, n] = into
         if into == 0.0:
             sample[NEXT, n], loudness[n] = sample[PRESENT, n], loud
-            share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # nothing is left of what was asked for before
+            share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # clear the previous request
             continue
         coming = max(next_node[n], 0)
         back = (at - 1.0) * (last[coming] - first[coming])
@@ -198,8 +197,10 @@ def ask_dancers(
 
 @kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
 def clip_hips(out: Float64, rows: Int64, sample: Float64, placement: Float64, share: Float32, root: Float32) -> None:
-    """Where the clips asked for of the dancers `rows` (n,) have the hips [m], `out` (n, 2): transitions are in, other
-    takes not; `root` (S, 3)."""
+    """Compute the clips' hip positions of the dancers `rows` (n,) [m], `out` (n, 2).
+
+    Transitions are included, other takes are not; `root` (S, 3).
+    """
     for i in range(rows.shape[0]):
         n = rows[i]
         k, into = int(sample[PRESENT, n]), share[INTO_NEXT, n]
@@ -215,9 +216,10 @@ def clip_hips(out: Float64, rows: Int64, sample: Float64, placement: Float64, sh
 
 @kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
 def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> None:
-    """Which feet (A, 2) the clips asked for have on the floor, by the annotation `contact` (S, 2) of all samples.
+    """Compute which feet (A, 2) are in contact in the sampled clips, from the annotation `contact` (S, 2) of all
+    samples.
 
-    While clips are mixed or blended a foot counts only if all of them have it there.
+    While clips are mixed or blended a foot counts only if all of them have it on the floor.
     """
     for n in range(out.shape[0]):
         into = share[INTO_NEXT, n]
@@ -232,11 +234,11 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> 
 
 @kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
 def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
-    """How high feet must be where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
+    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
 
-    The mean of a foot that stands and one that swings is dragged over the floor at a part of the swing's height. So a
-    foot is as high as the clip that has it highest, up to CLEARED, by the `height` (S, 2) [m] of all samples' soles;
-    clips alone are left as they are, and where all have it on the floor it stands.
+    The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
+    therefore as high as the highest of its clips, up to CLEARED, by the sole `height` (S, 2) [m] of all samples.
+    Unblended clips are unchanged, and a foot that stands in all clips stands.
     """
     weight = np.empty(4)
     for n in range(feet.shape[0]):

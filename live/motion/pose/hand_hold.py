@@ -1,4 +1,4 @@
-"""Hands: who holds whose hand, and how far each hold is closed; advanced at ticks, applied to poses."""
+"""Hand holds between dancers: which hands are held and how closed each hold is; advanced at ticks, applied to poses."""
 
 import math
 from typing import Final
@@ -16,38 +16,39 @@ LEFT: Final = 0
 RIGHT: Final = 1
 NOBODY: Final = -1
 TAKE_HALFLIFE: Final = 0.25
-"""Half-life in which hands find each other [beats] ..."""
+"""Half-life with which hands close [beats] ..."""
 LET_GO_HALFLIFE: Final = 0.2
-"""... and in which they let go [beats]: they are free within a beat."""
+"""... and open [beats]: they are free within a beat."""
 OPEN: Final = 0.03
-"""A hold less closed than this is open, and one as near to 1 is closed: the way between is eased at both ends."""
+"""A hold less closed than this is open, and one as near to 1 is closed; between them it is eased at both ends."""
 ARM_JOINTS: Final = np.array(
     [SKELETON.index(side + joint) for side in ("left", "right") for joint in ("UpperArm", "LowerArm", "Hand")]
     + [SKELETON.index("upperChest")],
     np.int32,
 )
-"""The joints that `join_hands` must know, shape (7,)."""
+"""The joints that `join_hands` needs, shape (7,)."""
 
 
 class Hands:
-    """The holds of A dancers: each may hold one partner by up to two hands."""
+    """Hand holds of A dancers: each may hold one partner by up to two hands."""
 
     def __init__(self, dancer_count: int) -> None:
         shape = (dancer_count, 2)
         self.other: Int32 = np.full(shape, NOBODY, np.int32)
-        """The partner of each of a dancer's holds, NOBODY for none, shape (A, 2); each hold is with one of its two."""
+        """Partner of each of a dancer's holds, NOBODY for none, shape (A, 2); each hold is stored with one of the
+        two."""
         self.hand: Int32 = np.zeros((*shape, 2), np.int32)
-        """Which hand she gives and which she takes, LEFT or RIGHT, shape (A, 2, 2)."""
+        """The dancer's own hand and the partner's, LEFT or RIGHT, shape (A, 2, 2)."""
         self.state: Float32 = np.zeros((2, *shape), np.float32)
-        """How far each hold is closed, 0 to 1, and how fast that changes [1/beat], shape (2, A, 2)."""
+        """How far each hold is closed, 0 to 1, and its rate of change [1/beat], shape (2, A, 2)."""
         self._tempo = 120.0
         self.held = False
-        """Whether any hold is closed, or moves."""
+        """Whether any hold is closed or moving."""
 
     def tick(self, other: Int32, hand: Int32, dt: float, tempo: float) -> None:
-        """A tick of `dt` [s] later at `tempo` [bpm]; wanted are holds with `other` (A, 2) by `hand` (A, 2, 2).
+        """Advance by `dt` [s] at `tempo` [bpm]; wanted are holds with `other` (A, 2) by `hand` (A, 2, 2).
 
-        A hold that is not wanted any more opens first; the next one closes when both are free.
+        A hold that is no longer wanted opens first; the next one closes when both hands are free.
         """
         closed, speed = self.state
         self._tempo, beats = tempo, dt * tempo / 60.0
@@ -58,7 +59,7 @@ class Hands:
         goal = (same & (self.other >= 0)).astype(np.float32)
         rate = 2.0 * math.log(2.0) / np.where(goal > 0.0, TAKE_HALFLIFE, LET_GO_HALFLIFE).astype(np.float32)
         away = closed - goal
-        fall, bend = np.exp(-rate * np.float32(beats)), speed + away * rate  # critically damped, as free feet are
+        fall, bend = np.exp(-rate * np.float32(beats)), speed + away * rate  # critically damped, like free feet
         closed[:] = goal + fall * (away + bend * np.float32(beats))
         speed[:] = fall * (speed - bend * rate * np.float32(beats))
         rest = (goal == 0.0) & (closed < OPEN) & (speed <= 0.0)
@@ -66,9 +67,9 @@ class Hands:
         self.held = bool(self.state.any())
 
     def _change(self, other: Int32, hand: Int32, same: npt.NDArray[np.bool_]) -> None:
-        """Take up wanted holds where nothing is held any more, by neither of the two."""
+        """Take wanted holds where neither of the two dancers holds anything any more."""
         holding = self.state[0] > 0.0
-        busy = np.zeros(len(other) + 1, np.bool_)  # the last one stands for NOBODY
+        busy = np.zeros(len(other) + 1, np.bool_)  # the last entry is NOBODY
         busy[:-1] = holding.any(axis=1)
         busy[self.other[holding]] = True
         busy[-1] = False

@@ -1,10 +1,8 @@
-"""Arms in blocks of holds: the palms of two dancers brought to one point by two-bone inverse kinematics.
+"""Hand hold kernels: two-bone IK for arms in blocks of holds, for both dancers or for the follower only (H014).
 
-Rows as in rows/kernels.py; an arm is copied into rows of its own: upper arm, forearm and hand as rotation (w, x, y, z)
-and position [m], then the chest's forward direction, the palm, its goal, and how far the arm reaches. Nothing here has
-a branch, and everything is smooth in the poses, so that hands move as smoothly as the clips do.
-
-One arm that reaches for somebody else's palm: she whose palm it is, is not moved (H014).
+Rows as in `sample_kernels`. An arm is copied into its own rows: upper arm, forearm and hand as rotation (w, x, y, z)
+and position [m], then the chest's forward direction, the palm, its goal, and the arm's reach. There are no branches,
+and everything is smooth in the poses, so hands move as smoothly as the clips do.
 """
 
 import math
@@ -22,36 +20,36 @@ Vector = tuple[float, float, float]
 Rotation = tuple[float, float, float, float]
 
 PALM: Any = np.float32(0.09)
-"""From the wrist to the middle of the palm [m]."""
+"""Distance from the wrist to the middle of the palm [m]."""
 LENGTH_BUFFER: Any = np.float32(0.01)
-"""An arm is not stretched beyond its length less this [m], unless the clip itself stretches it farther."""
+"""An arm is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 FADE: Any = np.float32(0.12)
-"""Shoulders nearer than (1 - FADE) of both arms' reach are within reach; from there on to all of it hands let go."""
+"""Shoulders nearer than (1 - FADE) of both arms' reach are within reach; beyond that the hold fades out."""
 LOW: Any = np.float32(0.6)
-"""Where hands meet: under the line between the shoulders by this share of what would still be reached."""
+"""Height of the meeting point: this share of the remaining reach below the line between the shoulders."""
 BACK: Any = np.float32(0.03)
-"""A straight elbow points backward in its upper arm's own axes; the more it is bent, the less this counts [m]."""
+"""Backward bias of the elbow in the upper arm's axes [m]: it decides for a straight elbow, less for a bent one."""
 BEHIND, ASIDE = np.float32(-0.85), np.float32(-0.5)
-"""Cosines between where the chest faces and where the hand goes: hands are not held behind the back."""
+"""Cosines between the chest's forward axis and the hand's goal: hands are not held behind the back."""
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _THREE: Any = np.float32(3.0)
 _TINY: Any = np.float32(1e-12)
 UPPER, LOWER, HAND, FORWARD, PALM_ROW, GOAL, REACH, SHARE, ROWS = 0, 7, 14, 21, 24, 27, 30, 31, 32
-"""Rows of an arm: where each part of it begins, and how many there are."""
+"""Rows of an arm: first row of each part, and the number of rows."""
 
 
 @part
 def _smooth(t: Any) -> Any:
-    """0 below 0, 1 above 1, no slope at both."""
+    """Smoothstep: 0 below 0, 1 above 1, zero slope at both."""
     t = min(max(t, _ZERO), _ONE)
     return t * t * (_THREE - _TWO * t)
 
 
 @part
 def turn_from(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
-    """The shortest turn that brings direction a to direction b."""
+    """Return the shortest rotation from direction a to direction b."""
     scale = _ONE / math.sqrt(max((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), _TINY))
     w = _ONE + (ax * bx + ay * by + az * bz) * scale
     x, y, z = (ay * bz - az * by) * scale, (az * bx - ax * bz) * scale, (ax * by - ay * bx) * scale
@@ -61,7 +59,7 @@ def turn_from(ax: float, ay: float, az: float, bx: float, by: float, bz: float) 
 
 @part
 def after(q: Rotation, r: Rotation) -> Rotation:
-    """First r, then q."""
+    """Quaternion product: r first, then q."""
     return (
         q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
         q[0] * r[1] + q[1] * r[0] + q[2] * r[3] - q[3] * r[2],
@@ -72,7 +70,7 @@ def after(q: Rotation, r: Rotation) -> Rotation:
 
 @part
 def turn_by(q: Rotation, x: float, y: float, z: float) -> Vector:
-    """The vector turned by q."""
+    """Return the vector rotated by q."""
     tx, ty, tz = _TWO * (q[2] * z - q[3] * y), _TWO * (q[3] * x - q[1] * z), _TWO * (q[1] * y - q[2] * x)
     return (
         x + q[0] * tx + q[2] * tz - q[3] * ty,
@@ -86,7 +84,7 @@ def gather_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
 ) -> None:  # fmt: skip
-    """One side's arms of the block into rows; the palm and how far it can be from the shoulder."""
+    """Copy one side's arms of the block into rows; compute the palm and its maximum distance from the shoulder."""
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
         a, left = who[n, side], hand[n, side] == 0
@@ -122,10 +120,10 @@ def gather_arm(
 
 @part
 def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -> None:
-    """Where the two palms of each hold go, rows GOAL.. and SHARE: one point that both reach, or their own places.
+    """Compute the goals of both palms of each hold, rows GOAL.. and SHARE: a common point, or their own positions.
 
-    The point is held within a ball that both arms reach, whose middle hangs under the line between the shoulders;
-    how far within it follows where the clips have the palms.
+    The point stays in a ball within reach of both arms, centred below the line between the shoulders. Its position in
+    the ball follows the palms in the clips.
     """
     for i in range(BLOCK):
         sx, sy, sz = one[UPPER + 4, i], one[UPPER + 5, i], one[UPPER + 6, i]
@@ -138,7 +136,7 @@ def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -
         low = LOW * shorter * math.sqrt(within)
         ball = shorter * (_ONE - math.sqrt(min(q * q + LOW * LOW * within, _ONE))) + _TINY
         part_way, fall = one[REACH, i] / whole, -dy / (apart * apart)
-        # straight down, but across the line between the shoulders
+        # downwards, but normal to the line between the shoulders
         cx = sx + part_way * dx - low * fall * dx
         cy = sy + part_way * dy - low * (_ONE + fall * dy)
         cz = sz + part_way * dz - low * fall * dz
@@ -164,7 +162,7 @@ def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -
 
 @part
 def bend_arm(arm: Float32) -> None:
-    """Two bones from the shoulder to the palm's goal: the arm swung as it is, then bent in its plane."""
+    """Two-bone IK from the shoulder to the palm's goal: the arm is swung as a whole, then bent in its plane."""
     for i in range(BLOCK):
         sx, sy, sz = arm[UPPER + 4, i], arm[UPPER + 5, i], arm[UPPER + 6, i]
         ux, uy, uz = arm[LOWER + 4, i] - sx, arm[LOWER + 5, i] - sy, arm[LOWER + 6, i] - sz
@@ -181,7 +179,7 @@ def bend_arm(arm: Float32) -> None:
         nx, ny, nz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        # the elbow points where it does in the clip, seen from the line shoulder to palm, and is swung with that line
+        # the elbow keeps its direction from the line shoulder to palm in the clip, and is swung with that line
         on = (ux * ex + uy * ey + uz * ez) / (own * own)
         qw, qx, qy, qz = arm[UPPER, i], arm[UPPER + 1, i], arm[UPPER + 2, i], arm[UPPER + 3, i]
         px = ux - on * ex - w * BACK * _TWO * (qx * qz + qw * qy)
@@ -218,7 +216,7 @@ def scatter_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
 ) -> None:  # fmt: skip
-    """The rows back; arms whose hands nobody holds are not touched."""
+    """Write the rows back; arms without a hold are unchanged."""
     for i in range(stop - start):
         if arm[SHARE, i] > _ZERO:
             a, left = who[start + i, side], hand[start + i, side] == 0
@@ -234,10 +232,10 @@ def scatter_arm(
 def join_hands(position: Float32, rotation: Float32, who: Int32, hand: Int32, share: Float32, joints: Int32) -> None:
     """Bring the palms of H holds together in the poses `position` (A, J, 3) [m] and `rotation` (A, J, 4), in place.
 
-    `who` (H, 2) are the two dancers of each hold, `hand` (H, 2) which hand each gives (0 left, 1 right), `share` (H,)
-    how far it is closed, 0 to 1; no hand may be in two holds. `joints` (7,): upper arm, forearm and hand of the left
-    and the right arm, chest. Elbows point where the clips have them, wrists keep their rotation to the forearm.
-    Shoulders out of reach fade the hold to nothing. Two-bone solution by the law of cosines, as for the legs.
+    `who` (H, 2): the two dancers of each hold; `hand` (H, 2): the hand of each (0 left, 1 right); `share` (H,): how far
+    it is closed, 0 to 1; no hand may be in two holds. `joints` (7,): upper arm, forearm and hand of the left and the
+    right arm, chest. Elbows keep their direction from the clips, wrists their rotation to the forearm. Shoulders out of
+    reach fade the hold to nothing. Two-bone solution by the law of cosines, as for the legs.
     """
     one, other = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
     for start in range(0, len(who), BLOCK):
@@ -252,23 +250,23 @@ def join_hands(position: Float32, rotation: Float32, who: Int32, hand: Int32, sh
 
 
 SOFT: Any = np.float32(0.03)
-"""An arm nearer to straight than this [m] stretches ever less: its elbow does not snap; at all its reach the palm is
-then 0.37 of it off."""
+"""An arm's extension is compressed when it is nearer to straight than this [m], so that the elbow does not snap; at
+full reach the palm misses by 0.37 of it."""
 ARM_ASIDE: Any = np.float32(0.4)
-"""Arms go from place to place past the front, so much to their own side and as much down of where the chest faces."""
+"""Arms move between positions past the front: this much to their own side and down from the chest's forward axis."""
 _LEAST: Any = np.float32(1e-6)
 
 
 @part
 def _unit(x: float, y: float, z: float) -> Vector:
-    """The vector at length 1."""
+    """Return the normalized vector."""
     scale = _ONE / math.sqrt(max(x * x + y * y + z * z, _TINY))
     return x * scale, y * scale, z * scale
 
 
 @part
 def _swing(own: Float32, i: int, turn: Rotation) -> None:
-    """Turn the whole arm of lane `i` about its shoulder."""
+    """Rotate the whole arm of lane `i` about its shoulder."""
     sx, sy, sz = own[UPPER + 4, i], own[UPPER + 5, i], own[UPPER + 6, i]
     for row in (LOWER + 4, HAND + 4, PALM_ROW):
         x, y, z = turn_by(turn, own[row, i] - sx, own[row + 1, i] - sy, own[row + 2, i] - sz)
@@ -280,10 +278,10 @@ def _swing(own: Float32, i: int, turn: Rotation) -> None:
 
 @part
 def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) -> None:
-    """Where the own palms of the block go, rows GOAL.. and SHARE: to the leaders', as far as arms reach.
+    """Compute the goals of the followers' palms of the block, rows GOAL.. and SHARE: the leaders' palms, within reach.
 
-    On the way there a palm keeps its distance from the shoulder and passes the front, and so does the arm with its
-    elbow: turned to the front first and on from there, it never has to turn over, but behind the back.
+    On the way the palm's distance from the shoulder is interpolated and the arm passes the front: it is rotated to the
+    front first and on from there. It therefore never has to flip, except behind the back.
     """
     for i in range(BLOCK):
         sx, sy, sz = own[UPPER + 4, i], own[UPPER + 5, i], own[UPPER + 6, i]
@@ -295,7 +293,7 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
         near = math.sqrt(max(ex * ex + ey * ey + ez * ez, _TINY))
         gx, gy, gz = _unit(gx, gy, gz)
         ex, ey, ez = _unit(ex, ey, ez)
-        side = ARM_ASIDE if own[SHARE, i] > _ZERO else -ARM_ASIDE  # a left hand's palm is at +x of its wrist
+        side = ARM_ASIDE if own[SHARE, i] > _ZERO else -ARM_ASIDE  # a left palm is at +x of its wrist
         fx, fz = own[FORWARD, i], own[FORWARD + 2, i]
         fx, fy, fz = _unit(fx + side * fz, own[FORWARD + 1, i] - ARM_ASIDE, fz - side * fx)
         w = share[min(start + i, stop - 1)]
@@ -306,7 +304,7 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
             (_ONE - w) * ez + w * gz + front * fz,
         )
         _swing(own, i, after(turn_from(fx, fy, fz, dx, dy, dz), turn_from(ex, ey, ez, fx, fy, fz)))
-        # so that `bend_arm`, which goes the share of the way, comes to where the palm is to be now
+        # scaled so that `bend_arm`, which applies the share, ends at the palm's current goal
         on = ((_ONE - w) * near + w * far - near) / max(w, _LEAST)
         own[GOAL, i], own[GOAL + 1, i], own[GOAL + 2, i] = (
             own[PALM_ROW, i] + on * dx,
@@ -320,7 +318,8 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
 def _keep(
     lead: Float32, own: Float32, rotation: Float32, kept: Float32, who: Int32, joints: Int32, start: int, stop: int
 ) -> None:
-    """Bring leaders' palms of the block as far as `kept` says to where they were seen from their followers' chests."""
+    """Blend the leaders' palms of the block by the weight in `kept` to their stored position relative to the
+    follower."""
     for n in range(start, stop):
         w, i, a, j = kept[n, 3], n - start, who[n, 1], joints[6]
         if w > _ZERO:
@@ -337,18 +336,18 @@ def reach_palms(
 ) -> None:
     """Bring followers' palms to their leaders' in the poses `position` (A, J, 3) [m], `rotation` (A, J, 4), in place.
 
-    `who` (H, 2): leader and follower of each hold, `hand` (H, 2): whose left (0) or right (1) hand; `share` (H,): how
-    far the hold is closed, 0 to 1; `joints` as for `join_hands`. `kept` (H, 4): where the
-    leader's palm was from the follower's shoulder as her chest sees it [m], and how far that counts instead of where
-    it is, 0 to 1: a hand that is let go is followed no more. Only the follower's arm moves. A follower's arm is in
-    one hold; who leads comes after what she herself reaches for. Beyond its reach an arm is straight, never longer.
+    `who` (H, 2): leader and follower of each hold; `hand` (H, 2): left (0) or right (1) hand of each; `share` (H,): how
+    far the hold is closed, 0 to 1; `joints` as for `join_hands`. `kept` (H, 4): stored position of the leader's palm
+    relative to the follower's shoulder in the chest's axes [m], and its weight against the actual position, 0 to 1: a
+    released hand is no longer followed. Only the follower's arm moves. A follower's arm is in one hold; a dancer's
+    holds as leader come after those as follower. Beyond its reach an arm is straight, never longer.
     """
     lead, own = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
     start = 0
     while start < len(who):
         stop = start + 1
         while stop < min(start + BLOCK, len(who)):
-            waits = False  # whose leader's arm is moved in this block
+            waits = False  # true if the leader's arm is moved in this block
             for n in range(start, stop):
                 waits = waits or who[n, 1] == who[stop, 0]
             if waits:
@@ -365,9 +364,12 @@ def reach_palms(
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], i4[::1], f4[:,::1])")
 def see_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, joints: Int32, out: Float32) -> None:
-    """What followers would have to reach, as in `reach_palms`, into `out` (H, 6): how much farther from her shoulder
-    than her arm reaches the leader's palm is [m], below 0 within reach; the cosine between where her chest faces and
-    where it is; how far it is from her own palm [m]; and where it is from her shoulder as her chest sees it [m]."""
+    """Measure what followers would have to reach, as in `reach_palms`, into `out` (H, 6).
+
+    Columns: distance of the leader's palm beyond the follower's reach [m], below 0 within reach; cosine between the
+    follower's chest forward axis and the palm; distance to the follower's palm [m]; position relative to the follower's
+    shoulder in the chest's axes [m].
+    """
     lead, own = np.empty((ROWS, BLOCK), np.float32), np.empty((ROWS, BLOCK), np.float32)
     for start in range(0, len(who), BLOCK):
         stop = min(start + BLOCK, len(who))

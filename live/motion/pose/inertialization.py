@@ -1,4 +1,4 @@
-"""Inertia: what each dancer still has in her of the motion she was cut out of."""
+"""Inertialization state: differences that remain after each dancer's last cut."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,32 +12,33 @@ Bool = npt.NDArray[np.bool_]
 
 
 def at_rest(count: int, joints: int) -> Float32:
-    """No differences, for `count` dancers of `joints` joints, (count, joints + 1, 7)."""
+    """Return zero differences for `count` dancers of `joints` joints, (count, joints + 1, 7)."""
     settling = np.zeros((count, joints + 1, COLUMNS), np.float32)
     settling[:, :, DURATION] = LONGEST
     return settling
 
 
 class Inertia:
-    """Differences of A dancers of J joints that fade after their cuts; given to the pose pipelines."""
+    """Fading differences of A dancers of J joints after their cuts; passed to the pose pipelines."""
 
     def __init__(self, dancer_count: int, joint_count: int) -> None:
         self.settling: Float32 = at_rest(dancer_count, joint_count)
-        """Offset, speed and duration of each joint and of the hips, as in kernels.py, shape (A, J + 1, 7)."""
+        """Offset, speed and duration per joint and for the hips, columns as in `inertialization_kernels`, shape (A, J +
+        1, 7)."""
         self.began: Float64 = np.full(dancer_count, -np.inf)
-        """When each dancer was last cut [s], shape (A,)."""
+        """Time of each dancer's last cut [s], shape (A,)."""
         self.age: Float32 = np.full(dancer_count, LONGEST, np.float32)
-        """How long that is ago [s], LONGEST at most, shape (A,); `place` brings it up to date."""
+        """Time since that cut [s], at most LONGEST, shape (A,); updated by `place`."""
         self.any_settles = False
-        """Whether at the last `place` somebody still had something of an old motion in her."""
+        """Whether any difference was still fading at the last `place`."""
 
     def place(self, time: float) -> None:
-        """Let `age` be as at `time` [s]."""
+        """Update `age` to `time` [s]."""
         self.any_settles = age_cuts(self.age, self.began, time)
 
     @property
     def settling_now(self) -> Bool:
-        """Who still has something of an old motion in her, shape (A,)."""
+        """Dancers whose differences are still fading, shape (A,)."""
         return np.asarray(self.age < LONGEST)
 
     def begin(
@@ -50,15 +51,15 @@ class Inertia:
         time: float,
         dt: float,
     ) -> None:
-        """The dancers `rows` (n,) are cut at `time` [s].
+        """Record a cut of the dancers `rows` (n,) at `time` [s].
 
-        `before` and `after`: world positions (2, n, J, 3) [m] and rotations (2, n, J, 4) of the old and the new
-        motion, at the cut and `dt` [s] earlier (later, if it is below 0).
+        `before` and `after`: world positions (2, n, J, 3) [m] and rotations (2, n, J, 4) of the old and the new motion,
+        at the cut and `dt` [s] earlier (later if it is negative).
         """
         keep_difference(self.settling, rows, before[1], before[0], after[1], after[0], parents, dt)
         self.began[rows] = time
 
     def forget(self, rows: npt.NDArray[np.integer]) -> None:
-        """Nothing is left in the dancers `rows` (n,)."""
+        """Drop the differences of the dancers `rows` (n,)."""
         self.began[rows] = -np.inf
         self.age[rows] = LONGEST

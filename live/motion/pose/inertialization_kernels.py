@@ -1,16 +1,16 @@
-"""Inertialization: what a jump from one clip to another takes away is given back, and fades within 0.4 s.
+"""Inertialization kernels: the pose difference at a cut between clips is added back and fades within 0.4 s.
 
 Bollo, "Inertialization: High-Performance Animation Transitions in Gears of War" (GDC 2018): only the difference
-between the two clips at the cut is kept, a value and a speed for each joint, and a quintic takes it to nothing.
-Here a difference is a rotation vector [rad] in the axes of the joint's parent (of the hips also a way [m]), and the
-quintic begins without acceleration of its own:
+between the two clips at the cut is kept, a value and a speed per joint, and fades to zero along a quintic. Here a
+difference is a rotation vector [rad] in the axes of the joint's parent (for the hips also a translation [m]), and the
+quintic starts with zero acceleration:
 
     x(t) = x0 P(s) + v0 T Q(s),  P = (1 - s)^3 (1 + 3 s + 6 s^2),  Q = s (1 - s)^3 (1 + 3 s),  s = t / T
 
-so that value and speed are those of before the cut, and value, speed and acceleration are 0 at T. Bollo shortens T
-where the speed would carry the difference beyond 0: P / Q is nowhere below 2.5, so it does not for
-|v0| T <= 2.5 |x0|. But T is never below SHORTEST, for a short T is a hard jerk; then the difference passes 0 by no
-more than 0.2 T |v0|, the largest Q. Speeds away from 0 are kept too, which Bollo drops: the cut is C1 in any case.
+Value and speed are continuous at the cut, and value, speed and acceleration are 0 at T. Bollo shortens T where the
+speed would make the difference cross 0. P / Q is never below 2.5, so it does not cross for |v0| T <= 2.5 |x0|. T is at
+least SHORTEST, because a short T is a hard jerk; then the difference crosses 0 by at most 0.2 T |v0|, the largest Q.
+Speeds away from 0 are kept, unlike in Bollo, so the cut is always C1.
 """
 
 import math
@@ -27,11 +27,11 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 LONGEST = 0.4
-"""Seconds after which nothing is left of a cut."""
+"""Time after which a difference is zero [s]."""
 SHORTEST = 0.2
-"""Seconds over which a difference fades at least."""
+"""Minimum fade time of a difference [s]."""
 OFFSET_X, OFFSET_Y, OFFSET_Z, SPEED_X, SPEED_Y, SPEED_Z, DURATION = range(7)
-"""Columns of a joint: the difference at the cut, its speed [1/s], and how long it fades [s]."""
+"""Columns of a joint: difference at the cut, its speed [1/s], and its fade time [s]."""
 COLUMNS = 7
 _PI = math.pi
 _ZERO: Any = np.float32(0.0)
@@ -46,7 +46,7 @@ _S3, _S5, _S7, _S9, _S11 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for
 
 @part
 def _left(settling: Float32, age: Float32, joint: int, left: Float32, start: int, stop: int) -> None:
-    """What is left of the difference of one joint, rows 0 to 2 of `left`."""
+    """Compute the remaining difference of one joint, rows 0 to 2 of `left`."""
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
         row = settling[n, joint]
@@ -62,10 +62,10 @@ def _left(settling: Float32, age: Float32, joint: int, left: Float32, start: int
 def settle_rows(
     local: Float32, root: Float32, settling: Float32, age: Float32, watched: Int32, start: int, stop: int
 ) -> None:
-    """Give a block of dancers what is left of their differences: rotations `local` and hips `root`.
+    """Add the remaining differences to a block of dancers: rotations `local` and hips `root`.
 
-    `settling` (A, J + 1, 7) as the columns say, the last row the way of the hips; `age` (A,) [s] since each dancer's
-    cut; `watched` (joints,) which row belongs to each joint of `local`. With an age of LONGEST nothing is changed.
+    `settling` (A, J + 1, 7), the last row for the hips' translation; `age` (A,) [s] since each dancer's cut; `watched`
+    (joints,) the row of each joint of `local`. With an age of LONGEST nothing changes.
     """
     left = np.empty((3, BLOCK), np.float32)
     for j in range(local.shape[0]):
@@ -89,7 +89,7 @@ def settle_rows(
 
 @kernel("void(f8[::1], f4[:,::1], i8, i8)")
 def _parent_seen(out: Float64, world: Float32, joint: int, parent: int) -> None:
-    """Rotation of `joint` in the axes of its parent, or of the stage if there is none (parent -1), into out (4,)."""
+    """Write the rotation of `joint` relative to its parent (the stage if parent is -1) to out (4,)."""
     bw, bx, by, bz = world[joint, 0], world[joint, 1], world[joint, 2], world[joint, 3]
     aw, ax, ay, az = 1.0, 0.0, 0.0, 0.0
     if parent >= 0:
@@ -102,7 +102,7 @@ def _parent_seen(out: Float64, world: Float32, joint: int, parent: int) -> None:
 
 @kernel("void(f8[::1], f8[::1], f8[::1])")
 def _away(out: Float64, one: Float64, other: Float64) -> None:
-    """The rotation that leads from `other` to `one`, both seen by their parent: one times other's inverse."""
+    """Write the rotation from `other` to `one`, both relative to the parent: one times other's inverse."""
     aw, ax, ay, az = one[0], one[1], one[2], one[3]
     bw, bx, by, bz = other[0], -other[1], -other[2], -other[3]
     out[0] = aw * bw - ax * bx - ay * by - az * bz
@@ -113,7 +113,7 @@ def _away(out: Float64, one: Float64, other: Float64) -> None:
 
 @kernel("f8(f8[::1])")
 def _vector_scale(q: Float64) -> float:
-    """What makes the rotation vector [rad] of q's last three numbers; up to a whole turn, by q's sign."""
+    """Return the factor from q's vector part to the rotation vector [rad]; up to a whole turn, by q's sign."""
     size = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     if size < 1e-9:
         return 2.0 if q[0] >= 0.0 else -2.0
@@ -122,7 +122,7 @@ def _vector_scale(q: Float64) -> float:
 
 @kernel("f8(f4[::1])")
 def fading_time(row: Float32) -> float:
-    """How long a difference fades [s] that begins with the offset and speed in `row` (7,)."""
+    """Return the fade time [s] of a difference with the offset and speed in `row` (7,)."""
     size, towards = 0.0, 0.0
     for c in range(3):
         size += row[c] * row[c]
@@ -138,10 +138,10 @@ def keep_difference(
     before: Float32, before_position: Float32, after: Float32, after_position: Float32,
     parents: Int32, dt: float,
 ) -> None:  # fmt: skip
-    """Note what a cut takes away from the dancers `rows` (n,): the difference of their poses and its speed.
+    """Record the pose differences of a cut of the dancers `rows` (n,), and their speeds.
 
     `before` and `after` (2, n, J, 4): world rotations of the old and the new motion, [0] at the cut and [1] `dt` [s]
-    from it (before it where dt is above 0, after it where it is below); with `_position` (2, n, J, 3) [m].
+    before it (after it if `dt` is negative); with `_position` (2, n, J, 3) [m].
     """
     old, new = np.empty(4), np.empty(4)
     now, then = np.empty(4), np.empty(4)
@@ -173,7 +173,8 @@ def keep_difference(
 
 @kernel("b1(f4[::1], f8[::1], f8)")
 def age_cuts(age: Float32, began: Float64, time: float) -> bool:
-    """Let `age` (A,) [s] be the time since cuts that `began` (A,) [s], LONGEST at most; whether any is younger."""
+    """Set `age` (A,) [s] to the time since the cuts at `began` (A,) [s], at most LONGEST; return whether any is
+    less."""
     young = False
     for n in range(age.shape[0]):
         age[n] = min(max(time - began[n], 0.0), LONGEST)

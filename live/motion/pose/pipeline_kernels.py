@@ -1,7 +1,4 @@
-"""The pose pipeline in one call: all dancers, block after block.
-
-How far dancers have drifted ahead or behind, in one pass (T056).
-"""
+"""The pose pipeline as one kernel over all dancers in blocks, and the timing drift of dancers (T056)."""
 
 import math
 from typing import Any
@@ -28,13 +25,14 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 HEAD_LIMIT = math.radians(60.0)
-"""The head turns this far from the chest at most (T124)."""
+"""Maximum turn of the head from the chest (T124)."""
 PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
-"""Rows of `sample` and `placement`: this measure's clip, the other take mixed into it, and the same of the next one."""
+"""Rows of `sample` and `placement`: this measure's clip, the other take mixed into it, and both for the next
+measure."""
 LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
-"""Rows of `share`: how much of the other take there is in the lower and the upper body, how far the next clip is in."""
+"""Rows of `share`: weights of the other take in the lower and the upper body, weight of the next clip, its takes."""
 UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
-"""Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 where there is no such joint."""
+"""Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 if there is no such joint."""
 _SETTLED: Any = np.float32(LONGEST)
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
@@ -43,11 +41,11 @@ _TWO: Any = np.float32(2.0)
 
 @kernel("f8(f8)")
 def public_turn(chest: float) -> float:
-    """Where the head looks, seen from the chest [rad], when the chest's heading is `chest` and the public at 0.
+    """Return the head's turn relative to the chest [rad] for a chest heading `chest`, the audience at 0.
 
-    It faces the public as long as that takes no more than 60 degrees; through the rest of a turn it swings from one
-    limit to the other evenly, the linear gap of T124 as a function of the body instead of time, so that it is known at
-    once and a spin is spotted. The corners are rounded over 20 degrees, as the Gaussian of T124 rounds them in time.
+    The head faces the audience while that takes at most 60 degrees. Through the rest of a turn it swings evenly from
+    one limit to the other: the linear gap of T124 as a function of the body instead of time, so it needs no look-ahead
+    and a spin is spotted. The corners are rounded over 20 degrees, as the Gaussian of T124 rounds them in time.
     """
     turned = abs(angle_wrap(chest))
     far = (math.pi - turned) * HEAD_LIMIT / (math.pi - HEAD_LIMIT)
@@ -59,7 +57,7 @@ def public_turn(chest: float) -> float:
 
 @part
 def face_public(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
-    """Turn heads about the vertical towards the public by `share` (A,) of the way (T123, T125: the head joint only)."""
+    """Turn heads about the vertical towards the audience by the share `share` (A,) (T123, T125: head joint only)."""
     for i in range(min(BLOCK, stop - start)):
         if share[start + i] <= 0.0:
             continue
@@ -67,7 +65,7 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
         body = math.atan2(_TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y))
         w, x, y, z = world[head, 0, i], world[head, 1, i], world[head, 2, i], world[head, 3, i]
         forward_x, forward_z = _TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y)
-        if forward_x * forward_x + forward_z * forward_z < 0.04:  # she looks at the floor or the sky
+        if forward_x * forward_x + forward_z * forward_z < 0.04:  # the head looks at the floor or the sky
             continue
         angle = angle_wrap(body + public_turn(body) - math.atan2(forward_x, forward_z))
         turn = 0.5 * share[start + i] * angle
@@ -80,7 +78,7 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
 
 @part
 def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
-    """Whether one of the block's values is not `value`."""
+    """Whether any value of the block differs from `value`."""
     different = False
     for n in range(start, stop):
         different |= values[n] != value
@@ -89,7 +87,7 @@ def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
 
 @part
 def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
-    """Whether one of the block's values is below `value`."""
+    """Whether any value of the block is below `value`."""
     found = False
     for n in range(start, stop):
         found |= values[n] < value
@@ -107,7 +105,7 @@ def _mix_take(
     local: Float32, root: Float32, other: Float32, other_root: Float32, lower: Float32, upper: Float32, body: Int32,
     start: int, stop: int,
 ) -> None:  # fmt: skip
-    """Mix another take of the same step into lower and upper body by shares (A,) of their own (T044, T045)."""
+    """Mix another take of the same step into lower and upper body by separate shares (A,) (T044, T045)."""
     row = np.empty(BLOCK, np.float32)
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
     _row(row, upper, start, stop)
@@ -125,7 +123,7 @@ def _amplify(
     local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
     amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
 ) -> None:  # fmt: skip
-    """Upper body farther from or nearer to its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
+    """Scale the upper body about its mean pose: q' = q_mean (q_mean^-1 q)^r (T058), a SLERP by r from it.
 
     Within a transition the mean pose is blended, too (T060).
     """
@@ -154,18 +152,19 @@ def pose_dancers(
     offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
     begin: int, end: int,
 ) -> None:  # fmt: skip
-    """Poses of the dancers begin..end-1: two clips sampled, mixed, blended, amplified, placed; heads and feet mended.
+    """Compute poses of the dancers begin..end-1: clips sampled, mixed, blended, amplified, placed; heads and feet
+    adjusted.
 
     Out: `position` (A, J, 3) world [m], `rotation` (A, J, 4) world. In: all clips as `clip_root` (S, 3) and
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
-    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) how far the head turns
-    to the public; `feet` (A, 2, 9) as in legs/kernels.py (TOES below 0: leave the legs as they are); `settling`, `age`
-    (A,) [s] and `watched` (J,) as in inertia/kernels.py. `soles`: heights [m] of ankle and toe joint of a standing
+    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) share of the head's turn
+    to the audience; `feet` (A, 2, 9) as in `foot_lock_kernels` (TOES below 0: legs unchanged); `settling`, `age` (A,)
+    [s] and `watched` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of a standing
     foot.
     """
     joints = parents.shape[0]
-    # made here, with rows of a constant length, so that the compiler knows that no two rows overlap
+    # allocated here with rows of constant length, so that the compiler can rule out aliasing
     present, coming = np.empty((joints, 4, BLOCK), np.float32), np.empty((joints, 4, BLOCK), np.float32)
     take, roots = np.empty((joints, 4, BLOCK), np.float32), np.empty((4, 3, BLOCK), np.float32)
     world, row = np.empty((joints, 7, BLOCK), np.float32), np.empty(BLOCK, np.float32)
@@ -211,7 +210,7 @@ Int64 = npt.NDArray[np.int64]
 
 @kernel("f8(i8, f8[::1], f8[::1], f8[::1], f8[:,:,::1], f8[::1])")
 def drifted(n: int, value: Float64, passed: Float64, phase: Float64, knots: Float64, most: Float64) -> float:
-    """How far dancer `n` is ahead [share of a measure]: A(x) sin φ(x), see `Drift.at`."""
+    """Return the lead of dancer `n` [share of a measure]: A(x) sin φ(x), see `Drift.at`."""
     if most[n] == 0.0:
         return 0.0
     amplitude = turned = 0.0
@@ -225,10 +224,10 @@ def drifted(n: int, value: Float64, passed: Float64, phase: Float64, knots: Floa
 def drift_ahead(
     out: Float64, rows: Int64, fraction: float, phase: Float64, knots: Float64, most: Float64, liked: Int32, like: Int32
 ) -> None:
-    """How far the dancers `rows` (n,) are ahead at `fraction` of the measure [share of a measure], `out` (n,).
+    """Compute the lead of the dancers `rows` (n,) at `fraction` of the measure [share of a measure], `out` (n,).
 
-    `phase` (A,) [rad] when the measure begins, `knots` (2, 4, A) of amplitude and frequency, `most` (A,) how far each
-    may drift. Through the measure each goes over from the timing of `liked` (A,) to that of `like` (A,).
+    `phase` (A,) [rad] at the measure's beginning, `knots` (2, 4, A) of amplitude and frequency, `most` (A,) maximum
+    drift. Through the measure each dancer blends from the timing of `liked` (A,) to that of `like` (A,).
     """
     t = fraction
     value, passed = np.empty(4), np.empty(4)

@@ -1,4 +1,4 @@
-"""PosePipeline: preallocated questions and answers of the pose kernels for A dancers."""
+"""Pose pipeline: preallocated inputs and outputs of the pose kernels for A dancers."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -30,14 +30,14 @@ LEG_NAMES: Final = tuple(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseSkeleton:
-    """What the kernels must know of a skeleton of J joints."""
+    """Skeleton data of J joints for the kernels."""
 
     offsets: Float32
     """Shape (J, 3) [m]."""
     parents: Int32
     """Shape (J,); a parent comes before its children."""
     body: Int32
-    """UPPER_FIRST, UPPER_LAST, CHEST, HEAD as in the kernels, shape (4,)."""
+    """UPPER_FIRST, UPPER_LAST, CHEST, HEAD as in `pipeline_kernels`, shape (4,)."""
     legs: Int32
     """Hip, knee, ankle and toes of the left and the right leg, shape (8,); empty if feet are never locked."""
 
@@ -58,7 +58,7 @@ class PoseSkeleton:
     @classmethod
     @cache
     def legs_only(cls) -> tuple["PoseSkeleton", Int32]:
-        """Hips and legs alone, 9 joints, and which of the engine's joints they are, (9,)."""
+        """Hips and legs only, 9 joints, and their indices in the engine's skeleton, (9,)."""
         joints = np.array([0, *(SKELETON.index(name) for name in LEG_NAMES)], np.int32)
         place = {int(joint): row for row, joint in enumerate(joints)}
         parents = [-1 if joint == 0 else place[int(SKELETON.parents[joint])] for joint in joints]
@@ -73,19 +73,19 @@ class PoseSkeleton:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClipStore:
-    """All clips one after another, as the kernels read them: S samples, N nodes."""
+    """All clips concatenated, as the kernels read them: S samples, N nodes."""
 
     root: Float32
     """Hips [m], shape (S, 3)."""
     rotation: Float32
-    """Local rotations, shape (S, J, 4); within a clip neighbours have one sign, and clips that are blended the signs
-    between which a body bends (see `slerp_rows`)."""
+    """Local rotations, shape (S, J, 4). Signs are continuous within a clip; clips that are blended have the signs
+    between which joints bend naturally (see `slerp_rows`)."""
     mean: Float32
-    """Mean pose of each node, shape (N, J, 4), with its clip's signs; what amplitude is measured from (T058)."""
+    """Mean pose of each node, shape (N, J, 4), with its clip's signs; the reference of the amplitude (T058)."""
 
     @classmethod
     def of(cls, root: Float32, rotation: Float32, mean: Float32 | None = None) -> "ClipStore":
-        """Arrays of any layout; without mean poses amplitude means nothing."""
+        """Create from arrays of any layout; without mean poses the amplitude is undefined."""
         if mean is None:
             mean = np.zeros((1, *rotation.shape[1:]), np.float32)
             mean[..., 0] = 1.0
@@ -94,10 +94,11 @@ class ClipStore:
 
 
 def mean_pose(rotation: Float32) -> Float32:
-    """Mean rotation of each joint over the samples, (J, 4) from (T, J, 4): the mean in log space about its own centre.
+    """Return the mean rotation of each joint over the samples, (J, 4) from (T, J, 4): the mean in log space about
+    itself.
 
-    The rotation that maximises the summed squared cosine (an eigenvector) starts it; one step in log space makes it
-    the mean of q_mean^-1 q that T058 asks for. Its sign is that of the first sample.
+    The initial value maximises the summed squared cosine (an eigenvector); one step in log space gives the mean of
+    q_mean^-1 q as in T058. Its sign is that of the first sample.
     """
     q = rotation.astype(np.float64)
     moments = np.einsum("tja,tjb->jab", q, q)
@@ -115,7 +116,7 @@ def mean_pose(rotation: Float32) -> Float32:
 
 
 class PosePipeline:
-    """Fill the public arrays, then call `run`. Nothing is allocated per frame but the blocks' few kilobytes."""
+    """Fill the public arrays, then call `run`. Per frame only the blocks' few kilobytes are allocated."""
 
     def __init__(self, dancer_count: int, skeleton: PoseSkeleton | None = None, *, threads: int = 1) -> None:
         self.skeleton = skeleton if skeleton is not None else PoseSkeleton.whole()
@@ -123,25 +124,25 @@ class PosePipeline:
         self.sample: Float64 = np.zeros((4, count))
         """Fractional samples of the clips PRESENT, PRESENT_TAKE, NEXT and NEXT_TAKE, shape (4, A)."""
         self.placement: Float64 = np.zeros((4, count, 4))
-        """Where these clips lie: x, z [m], yaw of the path, yaw of the body [rad], shape (4, A, 4)."""
+        """Placement of these clips: x, z [m], yaw of the path, yaw of the body [rad], shape (4, A, 4)."""
         self.share: Float32 = np.zeros((5, count), np.float32)
         """Shares LOWER, UPPER, INTO_NEXT, NEXT_LOWER and NEXT_UPPER, 0 to 1, shape (5, A)."""
         self.mean: Int32 = np.zeros((2, count), np.int32)
-        """Nodes whose mean poses the amplitude is about: of the present and of the next clip, shape (2, A)."""
+        """Nodes whose mean poses the amplitude refers to: present and next clip, shape (2, A)."""
         self.amplitude: Float32 = np.ones(count, np.float32)
-        """Amplitude of the upper body, 1 as recorded, shape (A,) (T058)."""
+        """Amplitude of the upper body, 1 = as recorded, shape (A,) (T058)."""
         self.head: Float32 = np.zeros(count, np.float32)
-        """How far the head turns to the public, 0 to 1, shape (A,) (T123-T125)."""
+        """Share of the head's turn to the audience, 0 to 1, shape (A,) (T123-T125)."""
         self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
-        """Foot lock, columns as in legs/kernels.py; the legs are left as they are unless `lock` is set."""
+        """Foot lock, columns as in `foot_lock_kernels`; the legs are unchanged unless `lock` is set."""
         self.lock = False
         self.settling: Float32 = at_rest(1, joints)
-        """What dancers keep of motions they were cut out of, (A, rows, 7) as in inertia/kernels.py; read where `age` is
-        below LONGEST only."""
+        """Fading differences after cuts, (A, rows, 7) as in `inertialization_kernels`; read only where `age` is below
+        LONGEST."""
         self.age: Float32 = np.full(count, LONGEST, np.float32)
-        """How long ago they were cut out of them [s], shape (A,)."""
+        """Time since each dancer's last cut [s], shape (A,)."""
         self.watched: Int32 = np.arange(joints, dtype=np.int32)
-        """Which row of `settling` belongs to each joint, shape (J,)."""
+        """Row of `settling` for each joint, shape (J,)."""
         self.position: Float32 = np.zeros((count, joints, 3), np.float32)
         """World positions of the joints [m], shape (A, J, 3)."""
         self.rotation: Float32 = np.zeros((count, joints, 4), np.float32)
@@ -152,7 +153,7 @@ class PosePipeline:
         self._parts = _parts(count, threads)
 
     def is_whole(self) -> bool:
-        """Whether all arrays are of as many dancers as it is for, so that the kernels can be run on them."""
+        """Whether all arrays have the shapes for its number of dancers, so that the kernels can run on them."""
         count, joints = self._count, len(self.skeleton.parents)
         shapes = (
             (self.sample, (4, count)), (self.placement, (4, count, 4)), (self.share, (5, count)),
@@ -170,9 +171,10 @@ class PosePipeline:
         *,
         alone: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-        """World positions (A, J, 3) [m] and rotations (A, J, 4); into `out` if given, else into the pipeline's own.
+        """Return world positions (A, J, 3) [m] and rotations (A, J, 4), in `out` if given, else in the pipeline's own
+        arrays.
 
-        Of the blocks that hold the dancers in `alone`, if it is given, and of no others.
+        If `alone` is given, only blocks that contain these dancers are computed.
         """
         position, rotation = out if out is not None else (self.position, self.rotation)
         if not self.lock:
@@ -195,7 +197,7 @@ class PosePipeline:
         return position, rotation
 
     def close(self) -> None:
-        """End the threads, if there are any."""
+        """Shut down the threads, if any."""
         if self._pool is not None:
             self._pool.shutdown()
 
@@ -208,7 +210,7 @@ class PosePipeline:
 
 
 def _parts(count: int, threads: int) -> list[tuple[int, int]]:
-    """Whole blocks shared out evenly."""
+    """Split whole blocks evenly between threads."""
     blocks = -(-count // BLOCK)
     edges = [min(count, BLOCK * (blocks * part // threads)) for part in range(threads + 1)]
     return [(begin, end) for begin, end in pairwise(edges) if end > begin]

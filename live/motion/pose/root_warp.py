@@ -1,6 +1,6 @@
-"""Give: how far legs let a dancer be carried beyond a measure's own way while her feet hold their places.
+"""Root warp per step: when in a measure the root may be moved, and how far, while feet keep their places.
 
-Rise: when within a measure a dancer may be carried, from what her clip says of her feet (T048, for ways).
+The warp curve follows the clip's foot contacts (T048, for translations); the reach margin follows leg length.
 """
 
 from typing import Final
@@ -16,24 +16,24 @@ Int64 = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
 FINE: Final = 16
-"""Places between two knots at which the feet are looked at."""
+"""Evaluation points between two knots."""
 LEAST: Final = 0.04
-"""Share of the measure in which feet must be in the air at least, or the way is spread over all of it."""
+"""Minimum share of the measure with a foot in the air; below it the warp is spread over the whole measure."""
 MOST_HELD: Final = 0.15
-"""A foot is held against a way of at most this [m] while it stands; the lock lets it go at 0.2 m."""
+"""Maximum shift against a held foot while it stands [m]; the lock releases at 0.2 m."""
 QUICKEST: Final = 1.3
-"""Metres per measure at which a dancer is carried at most."""
+"""Maximum warp speed [m per measure]."""
 ROUNDS: Final = 256
-"""Rounds in which the stretches' shares are weighed against each other."""
+"""Rounds of the minimax weighting of the stretches."""
 
 
 def rise_of(contact: Bool, *, last: float) -> tuple[Float64, bool]:
-    """The rise (KNOTS, 2) of a measure, and whether it follows the feet.
+    """Return the warp curve (KNOTS, 2) of a measure, and whether it follows the feet.
 
     `contact` (T, 2): whether each foot is on the floor, evenly spaced from the measure's beginning to its end. The
-    share rises while exactly one foot carries, or none, and not after `last` (share of the measure), where the blend
-    lies (T050). Of several such stretches each gets a share, such that the way that any foot is held against while it
-    stands is as short as can be. Where no foot is ever lifted it rises all the time: an ease.
+    share rises while at most one foot is in contact, and not after `last` (share of the measure), where the blend lies
+    (T050). Several such stretches get weights that minimise the largest shift against a standing foot. If no foot is
+    ever lifted, it rises throughout: an ease.
     """
     fine = np.linspace(0.0, 1.0, FINE * (KNOTS - 1) + 1)
     stands = contact[np.minimum((fine * (len(contact) - 1)).round().astype(np.int64), len(contact) - 1)]
@@ -48,7 +48,7 @@ def rise_of(contact: Bool, *, last: float) -> tuple[Float64, bool]:
 
 
 def stances(contact: Bool) -> list[tuple[int, int, int]]:
-    """Foot, first sample and the one after the last of all times in which a foot stands, from `contact` (T, 2)."""
+    """Return foot, first sample and end (exclusive) of all contact intervals from `contact` (T, 2)."""
     found = []
     for foot in range(2):
         edges = np.flatnonzero(np.diff(contact[:, foot].astype(np.int8), prepend=0, append=0))
@@ -57,7 +57,7 @@ def stances(contact: Bool) -> list[tuple[int, int, int]]:
 
 
 def _humps(free: Bool) -> Float64:
-    """For each free stretch a rate that begins and ends at 0, shape (K, F): each adds up to 1."""
+    """Return for each free stretch a rate that begins and ends at 0, shape (K, F); each sums to 1."""
     edges = np.flatnonzero(np.diff(free.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
     humps = np.zeros((len(edges), len(free)))
     for hump, (begin, end) in zip(humps, edges, strict=True):
@@ -67,10 +67,10 @@ def _humps(free: Bool) -> Float64:
 
 
 def _weights(humps: Float64, stands: Bool) -> Float64:
-    """Shares (K,) of the stretches, for which the dearest of all costs is least.
+    """Return weights (K,) of the stretches that minimise the largest cost.
 
-    Costs are the shares of the way that a foot is held against while it stands, and the speed in a stretch. This is a
-    game of two, whoever shares out and whoever names the dearest cost, and `share_out` plays it.
+    Costs are the shares of the warp during which a foot is held, and the speed in a stretch. This minimax problem is a
+    two-player game, solved by `share_out`.
     """
     lengths = (humps > 0.0).mean(axis=1)
     held = [humps[:, begin:end].sum(axis=1) / MOST_HELD for _, begin, end in stances(stands)]
@@ -81,7 +81,7 @@ def _weights(humps: Float64, stands: Bool) -> Float64:
 
 
 def _knots(rate: Float64) -> Float64:
-    """Rates at the knots, from those at fine places: means about each knot, 0 at both ends."""
+    """Return rates at the knots from those at fine points: means about each knot, 0 at both ends."""
     passed = np.concatenate(([0.0], np.cumsum(rate)))
     middle = FINE * np.arange(1, KNOTS - 1)
     knots = np.zeros(KNOTS)
@@ -92,22 +92,22 @@ def _knots(rate: Float64) -> Float64:
 LEG: Final = sum(float(np.linalg.norm(SKELETON.offsets[SKELETON.index(name)])) for name in ("leftLowerLeg", "leftFoot"))
 """Length of a leg from hip to ankle [m]."""
 BUFFER: Final = 0.015
-"""A leg is never stretched beyond its length less this [m] (the pose kernels' own rule)."""
+"""A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
 SINK: Final = 0.01
-"""The hips may sink by this [m] for it: half of what the pose kernels allow."""
+"""Allowed drop of the hips [m]: half of what the pose kernels allow."""
 SLIDES: Final = 0.2
-"""A foot that moves this far [m] while it is said to stand is not planted: the foot lock lets go."""
+"""A foot that moves this far [m] during annotated contact is not planted: the foot lock releases it."""
 STANDING: Final = 0.08
-"""Where no foot is ever lifted a dancer is carried this far [m] at most: her feet are never put down anew."""
+"""Maximum warp [m] if no foot is ever lifted, because the feet never step to a new place."""
 
 
 def give_of(hip: Float64, ankle: Float64, contact: Bool, rise: Float64, *, follows: bool) -> Float64:
-    """How far [m] a dancer may be carried in DIRECTIONS ways about the clip's own heading, shape (DIRECTIONS,).
+    """Return the reach margin [m] in DIRECTIONS directions about the clip's heading, shape (DIRECTIONS,).
 
-    `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `rise`
-    (KNOTS, 2). While a foot stands the body goes over it by the share that comes in meanwhile: the leg must reach, and
-    no foot is held against more than MOST_HELD. A foot that slides in the clip itself holds nothing. Direction k is
-    that of yaw 2 pi k / DIRECTIONS.
+    `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `rise` (KNOTS,
+    2). While a foot stands the body moves over it by the share applied meanwhile: the leg must reach, and no foot is
+    held against more than MOST_HELD. A foot that slides in the clip itself is no constraint. Direction k has yaw 2 pi k
+    / DIRECTIONS.
     """
     planted = [stance for stance in stances(contact) if not _slides(ankle, *stance)]
     follows |= len(planted) < len(stances(contact))
@@ -124,7 +124,7 @@ def give_of(hip: Float64, ankle: Float64, contact: Bool, rise: Float64, *, follo
         longest = np.maximum(LEG - BUFFER, np.linalg.norm(leg, axis=1))
         level = longest**2 - np.minimum(leg[:, 1] + SINK, 0.0) ** 2  # squared reach on the floor
         flat = leg[:, (0, 2)]
-        along = flat @ ways.T  # the body goes ahead, so the foot comes nearer by this, and then falls behind
+        along = flat @ ways.T  # the body moves ahead: the foot first gets nearer by this, then falls behind
         spare = np.maximum(level - np.sum(flat * flat, axis=1), 0.0)[:, None]
         far = along + np.sqrt(along * along + spare)
         moves = risen > 1e-3
@@ -134,7 +134,7 @@ def give_of(hip: Float64, ankle: Float64, contact: Bool, rise: Float64, *, follo
 
 
 def holds_of(ankle: Float64, contact: Bool, rise: Float64) -> Float64:
-    """Share of the correction that is in before each foot that stands at the beginning is lifted, shape (2,)."""
+    """Return the share of the correction applied before each foot standing at the beginning is lifted, shape (2,)."""
     share = np.interp(np.linspace(0.0, 1.0, len(contact)), np.linspace(0.0, 1.0, KNOTS), rise[:, SHARE])
     holds = np.zeros(2)
     for foot, begin, end in stances(contact):
@@ -144,6 +144,6 @@ def holds_of(ankle: Float64, contact: Bool, rise: Float64) -> Float64:
 
 
 def _slides(ankle: Float64, foot: int, begin: int, end: int) -> bool:
-    """Whether the clip itself drags that foot, from `ankle` (T, 2, 3), farther than the foot lock would hold it."""
+    """Whether the clip itself moves that foot, from `ankle` (T, 2, 3), farther than the foot lock would hold it."""
     way = ankle[begin:end, foot][:, (0, 2)]
     return bool(np.ptp(way, axis=0).max() > SLIDES)

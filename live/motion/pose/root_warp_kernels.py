@@ -1,8 +1,6 @@
-"""How much of a measure's correction is in when part of the measure has passed, for kernels that place dancers.
+"""Root warp kernels: the share of a measure's root correction applied so far, and its retargeting within the measure.
 
-Corrections that are aimed anew within the measure, as passes over all dancers.
-
-`rows` (ROWS, A, 2) [m] holds for each dancer what the names of its rows say; see `Carried` in show/carried.py.
+`rows` (ROWS, A, 2) [m] holds the per-dancer correction state, see `live.show.dancers.root_correction`.
 """
 
 import math
@@ -19,18 +17,18 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 KNOTS = 65
-"""Knots of a rise over a measure, the first at its beginning, the last at its end."""
+"""Knots of a warp curve over a measure, including both ends."""
 SHARE, RATE = 0, 1
-"""Columns of a rise: the share that is in at a knot, and how fast it grows there [1 per measure]."""
+"""Columns of a warp curve: the share applied at a knot, and its slope there [1 per measure]."""
 DIRECTIONS = 16
-"""Ways of a step, about its clip's own heading, for which it is known how far legs give."""
+"""Directions about a clip's heading for which the reach margin is stored."""
 
 
 @kernel("f8(f8[:,::1], f8)")
 def risen(rise: Float64, fraction: float) -> float:
-    """Share of the correction that is in at `fraction` of the measure, 0 to 1, C1; `rise` (KNOTS, 2).
+    """Return the share of the correction applied at `fraction` of the measure, 0 to 1, C1; `rise` (KNOTS, 2).
 
-    Between knots the rate is a straight line, so the share is a parabola.
+    The rate is linear between knots, so the share is a parabola.
     """
     place = min(max(fraction, 0.0), 1.0) * (rise.shape[0] - 1)
     k = min(math.floor(place), rise.shape[0] - 2)
@@ -42,7 +40,7 @@ def risen(rise: Float64, fraction: float) -> float:
 
 @kernel("f8(f8, f8, f8, f8)")
 def shifted(risen_now: float, risen_then: float, shift: float, goal: float) -> float:
-    """How far a dancer is carried [m] who was by `shift` when `risen_then` was in and shall be by `goal` at the end."""
+    """Return a dancer's shift [m] on the way from `shift` at `risen_then` to `goal` at the end of the measure."""
     if risen_then >= 1.0:
         return goal
     return shift + (risen_now - risen_then) / (1.0 - risen_then) * (goal - shift)
@@ -59,10 +57,11 @@ def bound_aims(
     most: Float64,
     least_left: float,
 ) -> None:
-    """Change the `goal` (A, 2) [m] of dancers at `phase` (A,) to what can still be reached as slowly as a whole way.
+    """Limit the `goal` (A, 2) [m] of dancers at `phase` (A,) to what is reachable at the speed of a full correction.
 
-    In the rest of the rise nobody goes farther than that share of `most` (A,) [m], or of what she goes already. Who
-    has no more than `least_left` of her rise before her keeps her `correction` (A, 3). Else as in `re_aim_dancers`.
+    In the rest of the measure a dancer moves at most the remaining share of `most` (A,) [m], or as far as already
+    planned. With no more than `least_left` of the curve left, the `correction` (A, 3) is kept. Other arrays as in
+    `re_aim_dancers`.
     """
     for n in range(goal.shape[0]):
         share = risen(rise[max(node[n], 0)], phase[n])
@@ -87,10 +86,10 @@ def re_aim_dancers(
     rise: Float64,
     least_left: float,
 ) -> None:
-    """Lead A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are rewritten.
+    """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are updated.
 
-    `node` (A,) says whose row of `rise` (N, KNOTS, 2) counts; below 0: she is not led. Who has no more than
-    `least_left` of her rise before her keeps what she has.
+    `node` (A,) selects the row of `rise` (N, KNOTS, 2); below 0 the dancer is skipped. With no more than `least_left`
+    of the curve left, nothing changes.
     """
     for n in range(correction.shape[0]):
         if node[n] < 0:
@@ -106,7 +105,8 @@ def re_aim_dancers(
 
 @kernel("f8(f8[::1], f8, f8)")
 def given_towards(give: Float64, x: float, z: float) -> float:
-    """How far legs give [m] towards (x, z) in the clip's own axes; `give` (DIRECTIONS,), straight between two."""
+    """Return the reach margin [m] towards (x, z) in the clip's axes; `give` (DIRECTIONS,), linear between
+    directions."""
     count = give.shape[0]
     place = math.atan2(x, z) / (2.0 * math.pi) * count
     low = math.floor(place)
@@ -127,11 +127,11 @@ def bound_ways(
     most: float,
     most_held: float,
 ) -> None:
-    """Shorten the `way` (A, 2) [m] of each dancer's correction to what her legs give, and to `most` [m].
+    """Limit the `way` (A, 2) [m] of each dancer's correction to the reach margin, and to `most` [m].
 
-    `yaw` (A,) [rad] of her clip on the stage; `gives` (N, DIRECTIONS) and `holds` (N, 2) of the nodes, `node` (A,) of
-    the dancers; `share` (A,): how much of what legs give she may use. Feet that are held beside their clip's places
-    already, by `held` (A, 2, 2) [m], and are not lifted at once are held against no more than `most_held` [m].
+    `yaw` (A,) [rad] of the clip on the stage; `gives` (N, DIRECTIONS) and `holds` (N, 2) of the nodes, `node` (A,) of
+    the dancers; `share` (A,): usable part of the reach margin. Feet that are already held away from their clip's
+    position, by `held` (A, 2, 2) [m], and are not lifted at once are held against at most `most_held` [m].
     """
     for n in range(way.shape[0]):
         v = max(node[n], 0)
@@ -141,7 +141,7 @@ def bound_ways(
         x, z = yaw_rotate(way[n, 0], way[n, 1], -yaw[n])
         scale = min(1.0, min(most, share[n] * given_towards(gives[v], x, z)) / size)
         for foot in range(2):
-            # |held - scale * hold * way| <= limit, for the largest scale
+            # the largest scale with |held - scale * hold * way| <= limit
             hx, hz = holds[v, foot] * way[n, 0], holds[v, foot] * way[n, 1]
             a = hx * hx + hz * hz
             if a < 1e-9:
@@ -156,10 +156,10 @@ def bound_ways(
 
 @kernel("void(f8[:,::1], f8[::1], i8)")
 def share_out(costs: Float64, weights: Float64, rounds: int) -> None:
-    """Change `weights` (K,), which add up to 1, so that the largest of `costs` (M, K) @ weights is nearly least.
+    """Change `weights` (K,), which sum to 1, so that the maximum of `costs` (M, K) @ weights is nearly minimal.
 
-    In each round every weight falls by a factor with its part of the cost that is dearest then; the mean over all
-    rounds comes near the value of the game (Freund & Schapire 1999).
+    In each round every weight is multiplied by a factor that falls with its part of the currently largest cost; the
+    mean over all rounds approximates the value of the game (Freund & Schapire 1999).
     """
     total, dearest = np.zeros(weights.shape[0]), 0.0
     for m in range(costs.shape[0]):
@@ -187,18 +187,18 @@ def share_out(costs: Float64, weights: Float64, rounds: int) -> None:
 Int8 = npt.NDArray[np.int8]
 
 BEGIN, END, PLAN, DODGE, GOAL, AIM, AIM_SPEED, WISH, AHEAD, FORESEEN, ASKED, PREDICTED = range(12)
-"""Rows: where the measure begins and, uncorrected, ends; the correction as decided, what was added so that nobody
-touches, what it shall lead to, what it leads to and how fast that changes; what steering wishes it to be; how far the
-agent was ahead when the measure began, where it was foreseen at its end; where the dancer was sent, and that moved by
-what her agent strayed since."""
+"""Rows: where the measure begins and, uncorrected, ends; the planned correction; the part added to avoid contact;
+its goal; the smoothed goal and its rate of change; the correction wanted by steering; the agent's lead at the
+measure's beginning and its predicted position at the end; the dancer's planned end; and that end moved by the
+agent's deviation."""
 ROWS = 12
 
 
 @kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8[:,::1])")
 def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -> None:
-    """Change the `way` (A, 2) [m] of those whose `state` (A,) is `on`.
+    """Limit the `way` (A, 2) [m] of dancers whose `state` (A,) is `on`.
 
-    `end` + `way` comes within their `room` (A, 2) [m] to each side of the centre.
+    `end` + `way` is clamped to `room` (A, 2) [m] to each side of the centre.
     """
     for n in range(way.shape[0]):
         if state[n] == on:
@@ -218,12 +218,12 @@ def stray_wishes(
     deaf: float,
     leash: float,
 ) -> None:
-    """Wish corrections as decided, and by `obedience` (A,) as far on as agents at `position` (A, 2) [m] have strayed.
+    """Set wished corrections: the plan plus, by `obedience` (A,), the deviation of agents at `position` (A, 2) [m].
 
-    They were so far ahead of their dancers when the measure began, and should be so far ahead when it ends; between,
-    at `fraction` of it, both go evenly. The measure of who is `late` (A,) on purpose, which she may not have begun yet,
-    ends so much later. Who is bound to her dancer (`leash` [m]) has not strayed: to an even way through the measure,
-    or who is late to where she is `shown` (A, 2) [m]. Less than `deaf` [m] counts for nothing.
+    The agents' expected lead over their dancers goes evenly from its value at the measure's beginning to that at its
+    end, at `fraction` of it. The measure of a dancer who is `late` (A,) on purpose ends that much later and may not
+    have begun. A deviation is measured from even motion through the measure, or for late dancers from where they are
+    `shown` (A, 2) [m], with the lead limited to `leash` [m]. Deviations below `deaf` [m] are ignored.
     """
     for n in range(position.shape[0]):
         rows[WISH, n, 0], rows[WISH, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
@@ -246,7 +246,8 @@ def stray_wishes(
 
 @kernel("void(f4[:,:,::1], f8[:,:,::1])")
 def held_feet(lock: Float32, held: Float64) -> None:
-    """How far each held foot of the lock (A, 2, 12) is from its clip's place, `held` (A, 2, 2) [m]; 0 for free ones."""
+    """Compute the shift of each held foot of the lock (A, 2, 12) from its clip, `held` (A, 2, 2) [m]; 0 for free
+    feet."""
     for n in range(lock.shape[0]):
         for foot in range(2):
             held[n, foot, 0] = float(lock[n, foot, SHIFT_X]) * lock[n, foot, HELD]
@@ -272,10 +273,10 @@ def limit_wishes(
     on: int,
     room: Float64,
 ) -> None:
-    """Shorten wishes to what legs give, as `bound_ways` does, and keep those who are `on` the stage on it.
+    """Limit wishes to the reach margin, as `bound_ways` does, and keep dancers who are `on` the stage on it.
 
-    `placement` and `correction` (A, 3) of the clips danced, `lock` (A, 2, 12) of the feet, `share` (A,) and the rest as
-    there; `state` (A,) and `room` (A, 2) as in `keep_ends`.
+    `placement` and `correction` (A, 3) of the current clips, `lock` (A, 2, 12) of the feet, `share` (A,) and the others
+    as there; `state` (A,) and `room` (A, 2) as in `keep_ends`.
     """
     yaw, held = np.empty(node.shape[0]), np.empty((node.shape[0], 2, 2))
     for n in range(node.shape[0]):
@@ -306,9 +307,9 @@ def settle_ways(
     edge_x: float,
     edge_z: float,
 ) -> None:
-    """Write the way of each `correction` (A, 3), as far as legs give, from `end` to `target` (A, 2) [m].
+    """Write each `correction` (A, 3) from `end` to `target` (A, 2) [m], within the reach margin.
 
-    Those who are `on` the stage are sent no farther than to its edges; arrays else as in `limit_wishes`.
+    The targets of dancers `on` the stage are clamped to its edges; other arrays as in `limit_wishes`.
     """
     count = node.shape[0]
     way, yaw, held = np.empty((count, 2)), np.empty(count), np.empty((count, 2, 2))
@@ -335,7 +336,7 @@ def take_wishes(
     most: Float64,
     least_left: float,
 ) -> None:
-    """Bound wishes by `bound_aims`, move predictions with those that are open still, and add what avoids others."""
+    """Limit wishes by `bound_aims`, move predictions of dancers still adjustable, and add the avoidance."""
     bound_aims(rows[WISH], correction, aimed, phase, node, rise, most, least_left)
     for n in range(node.shape[0]):
         if rows[WISH, n, 0] != correction[n, 0] or rows[WISH, n, 1] != correction[n, 1]:
@@ -356,7 +357,7 @@ def take_goals(
     most: Float64,
     least_left: float,
 ) -> None:
-    """Bound goals, changed so that nobody touches, by `bound_aims`; what they are beyond the wishes is kept."""
+    """Limit goals, changed to avoid contact, by `bound_aims`; store their difference from the wishes as avoidance."""
     bound_aims(rows[GOAL], correction, aimed, phase, node, rise, most, least_left)
     for n in range(node.shape[0]):
         rows[DODGE, n, 0] = rows[GOAL, n, 0] - rows[WISH, n, 0]
@@ -375,7 +376,7 @@ def follow_goals(
     dt: float,
     least_left: float,
 ) -> None:
-    """Let aims follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped, and corrections lead there.
+    """Let aims follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped; corrections follow the aims.
 
     Arrays as in `re_aim_dancers`.
     """
@@ -400,10 +401,10 @@ def carry_agents(
     late: Float64,
     shown: Float32,
 ) -> None:
-    """Where agents are bound, `reference` (A, 2) [m], and how fast that moves, `pace` (A, 2) [m/s].
+    """Compute the agents' reference positions, `reference` (A, 2) [m], and their speed, `pace` (A, 2) [m/s].
 
-    Evenly from the beginning of the measure to its end, of which `rate` passes in a second; who is `late` (A,) is bound
-    to where she is `shown` (A, 2) [m].
+    They move evenly from the measure's beginning to its end, at `rate` measures per second; the reference of a dancer
+    who is `late` (A,) is where the dancer is `shown` (A, 2) [m].
     """
     for n in range(reference.shape[0]):
         for c in range(2):
@@ -416,9 +417,9 @@ def carry_agents(
 
 @kernel("void(f8[:,:,::1], f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
 def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Float32, reference: Float32) -> None:
-    """A measure begins along `path` (A, M, 2) [m]: its `correction` (A, 3) is what is planned, aimed at and led to.
+    """Initialize a measure along `path` (A, M, 2) [m]: its `correction` (A, 3) is plan, aim and goal.
 
-    Agents are at `position` (A, 2) [m], and bound to `reference` (A, 2) [m], where their dancers are.
+    Agents are at `position` (A, 2) [m] and their `reference` (A, 2) [m] is the dancers' position.
     """
     for n in range(path.shape[0]):
         for c in range(2):
@@ -431,7 +432,8 @@ def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Floa
 
 @kernel("void(f8[::1], f8[:,:,::1], f8[:,::1])")
 def end_rows(lag: Float64, rows: Float64, correction: Float64) -> None:
-    """How far everybody, with her `correction` (A, 3), ends the measure from her predicted agent, `lag` (A,) [m]."""
+    """Compute the distance between each dancer's corrected end and the predicted agent, `lag` (A,) [m]; `correction`
+    (A, 3)."""
     for n in range(lag.shape[0]):
         x = rows[END, n, 0] + correction[n, 0] - rows[PREDICTED, n, 0]
         z = rows[END, n, 1] + correction[n, 1] - rows[PREDICTED, n, 1]

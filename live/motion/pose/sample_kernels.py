@@ -1,8 +1,8 @@
-"""Rows of dancers: sampling, SLERP, placing and forward kinematics in blocks.
+"""Sampling, SLERP, placement and forward kinematics in blocks of dancers.
 
-Within a block every number is a row of BLOCK dancers (structure of arrays), so that the compiler turns each loop over
-a row into vector instructions: no branches, no float64, no calls inside such a loop. Lanes beyond the last dancer
-repeat her. `local` is (J, 4, BLOCK): local rotations; `world` is (J, 7, BLOCK): rotations, then positions [m].
+Within a block every number is a row of BLOCK dancers (structure of arrays), so that the compiler vectorizes each loop
+over a row: no branches, no float64, no calls inside such a loop. Lanes beyond the last dancer repeat the last one.
+`local` is (J, 4, BLOCK): local rotations; `world` is (J, 7, BLOCK): rotations, then positions [m].
 """
 
 import math
@@ -18,7 +18,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 BLOCK = 32
-"""Dancers per block: rows of 128 bytes, and all rows of a block together stay in the nearest caches."""
+"""Dancers per block: rows of 128 bytes; all rows of a block fit in the L1/L2 caches."""
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
@@ -38,7 +38,7 @@ _A8, _B8 = np.float32(_MU / (8 * 17)), np.float32(_MU * 8 / 17)
 
 @part
 def _slerp_share(t: Any, off: Any) -> Any:
-    """sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
+    """Return sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
     s = t * t
     tail = _ONE + (_A7 * s - _B7) * off * (_ONE + (_A8 * s - _B8) * off)
     tail = _ONE + (_A4 * s - _B4) * off * (_ONE + (_A5 * s - _B5) * off * (_ONE + (_A6 * s - _B6) * off * tail))
@@ -49,9 +49,9 @@ def _slerp_share(t: Any, off: Any) -> Any:
 def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
     """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) (T035, T045).
 
-    The root goes along the shorter arc. Of the other joints the signs count: clips have those nearest to the rest pose,
-    so a joint never goes round the side to which it cannot bend, and never changes its mind within a blend. Beyond a
-    right angle of the signs' own (half a turn of the joint) the chord takes the arc's place.
+    The root takes the shorter arc. For the other joints the quaternions' signs decide: clips store those nearest to the
+    rest pose, so a joint never rotates through a direction in which it cannot bend, and never changes direction within
+    a blend. Beyond a right angle between the quaternions (half a turn of the joint) the chord replaces the arc.
     """
     for j in range(first, last):
         shorter = j == 0
@@ -76,7 +76,7 @@ def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: 
 
 @part
 def unit_rows(local: Float32, first: int, last: int) -> None:
-    """Make the rotations of joints first..last-1 unit; they may be as short as sums of rotations are."""
+    """Normalize the rotations of joints first..last-1; they may be as short as sums of rotations are."""
     for j in range(first, last):
         for i in range(BLOCK):
             w, x, y, z = local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i]
@@ -89,10 +89,10 @@ def unit_rows(local: Float32, first: int, last: int) -> None:
 
 @part
 def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float64, start: int, stop: int) -> None:
-    """Rotations of the block's dancers at fractional samples, linear and made unit between two neighbours.
+    """Sample the rotations of the block's dancers at fractional samples, linear and normalized.
 
-    `clips` (S, 4 J) holds a sample's rotations one after another; `lanes` (BLOCK, 4 J) is scratch: read and written
-    along the samples first, then turned into rows.
+    `clips` (S, 4 J) holds each sample's rotations consecutively; `lanes` (BLOCK, 4 J) is scratch: it is read and
+    written along the samples, then transposed into rows.
     """
     last = clips.shape[0] - 1
     for i in range(BLOCK):
@@ -105,7 +105,7 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
     for j in range(local.shape[0]):
         for i in range(BLOCK):
             w, x, y, z = lanes[i, 4 * j], lanes[i, 4 * j + 1], lanes[i, 4 * j + 2], lanes[i, 4 * j + 3]
-            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # Newton: it is nearly unit
+            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)  # one Newton step: the length is nearly 1
             local[j, 0, i] = w * scale
             local[j, 1, i] = x * scale
             local[j, 2, i] = y * scale
@@ -114,7 +114,7 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
 
 @part
 def _half_turn(yaw: float) -> tuple[float, float]:
-    """Cosine and sine of half of `yaw` [rad], by their series after whole turns are taken away; within 1e-7.
+    """Return cosine and sine of half of `yaw` [rad] by their series after removing whole turns; within 1e-7.
 
     After an odd number of turns both have the other sign, which is the same rotation.
     """
@@ -128,7 +128,8 @@ def _half_turn(yaw: float) -> tuple[float, float]:
 def place_root(
     local: Float32, root: Float32, clip_root: Float32, sample: Float64, placement: Float64, start: int, stop: int
 ) -> None:
-    """Hips of the block's dancers at their samples, the clip placed by `placement`: x, z, yaw of path, yaw of body."""
+    """Compute the hips of the block's dancers at their samples, placed by `placement`: x, z, yaw of path, yaw of
+    body."""
     last = clip_root.shape[0] - 1
     at_x, at_z, path, body = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK)
     for i in range(BLOCK):
@@ -146,7 +147,7 @@ def place_root(
         x, z = root[0, i], root[2, i]
         root[0, i] = at_x[i] + x * c + z * s
         root[2, i] = at_z[i] + z * c - x * s
-        # turned about +Y after everything else: (c, 0, s, 0) times the clip's rotation
+        # rotate about +Y last: (c, 0, s, 0) times the clip's rotation
         c, s = _half_turn(body[i])
         w, qx, qy, qz = local[0, 0, i], local[0, 1, i], local[0, 2, i], local[0, 3, i]
         local[0, 0, i] = c * w - s * qy
@@ -157,13 +158,13 @@ def place_root(
 
 @part
 def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32, parents: Int32) -> None:
-    """Forward kinematics of a block: B = A + O_B R_A (T164), a parent always before its children."""
+    """Forward kinematics of a block: B = A + O_B R_A (T164); parents come before their children."""
     for i in range(BLOCK):
         for c in range(4):
             world[0, c, i] = local[0, c, i]
         for c in range(3):
             world[0, 4 + c, i] = root[c, i]
-    above = np.empty((7, BLOCK), np.float32)  # a copy, for the compiler cannot know that parent and child differ
+    above = np.empty((7, BLOCK), np.float32)  # a copy, because the compiler cannot know that parent and child differ
     for j in range(1, parents.shape[0]):
         p = parents[j]
         ox, oy, oz = offsets[j, 0], offsets[j, 1], offsets[j, 2]
@@ -185,7 +186,7 @@ def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32
 
 @part
 def write_block(position: Float32, rotation: Float32, world: Float32, start: int, stop: int) -> None:
-    """The block's joints into the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
+    """Write the block's joints to the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
     for j in range(world.shape[0]):
         for i in range(stop - start):
             for c in range(4):

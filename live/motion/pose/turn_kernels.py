@@ -1,8 +1,7 @@
-"""Where each dancer's clip lies when part of a measure has passed: corrected, and turned on the feet that carry.
+"""Placement of each dancer's clip within a measure: corrected, and turned about the supporting feet.
 
-The closed form of `editing/support_turns.py` (T048-T050) as a kernel over dancers.
-
-Where the measures of all dancers end, and where the clips that follow join, in one pass.
+This is the closed form of `support_turns` in `live.motion.editing.turn_insertion` (T048-T050) as a kernel over dancers.
+It also computes the measures' ends, where the next clips join.
 """
 
 import math
@@ -22,7 +21,7 @@ Int32 = npt.NDArray[np.int32]
 
 @kernel("f8(f8,f8)")
 def soft_share(passed: float, softness: float) -> float:
-    """From 0 to 1 as `passed` does, speeding up and slowing down over the share `softness` (0 to 0.5) each."""
+    """Return the eased share of `passed`, 0 to 1, accelerating and decelerating over `softness` (0 to 0.5) each."""
     if softness < 1e-9:
         return passed
     edge = min(min(passed, 1.0 - passed), softness)
@@ -41,7 +40,8 @@ def placed(
     rise: Float64,
     on_support: float,
 ) -> tuple[float, float, float, float]:
-    """x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `rise` of her node."""
+    """Return x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `rise` of the
+    node."""
     share = risen(rise, fraction)
     x = placement[0] + shifted(share, aimed[2], aimed[0], correction[0])
     z = placement[1] + shifted(share, aimed[2], aimed[1], correction[1])
@@ -57,7 +57,7 @@ def placed(
         progress = soft_share(passed, row[7])
         turn = angle * row[2] * progress
         way_x, way_z = (row[5] - row[3]) * progress, (row[6] - row[4]) * progress
-        # foot - turned(foot + way) + way turned on the average, all carried along by what was turned before
+        # foot - turned(foot + way) + way turned on average, all rotated by the preceding turns
         tx, tz = yaw_rotate(row[3] + way_x, row[4] + way_z, turn)
         half = 0.5 * turn
         even = 1.0 if abs(half) < 1e-6 else math.sin(half) / half
@@ -81,14 +81,14 @@ def place_dancers(
     rise: Float64,
     on_support: Float64,
 ) -> None:
-    """Placement (A, 4), x, z [m], yaw of path and body [rad], when `fraction` (A,) of the measure has passed.
+    """Compute placements (A, 4), x, z [m], yaw of path and body [rad], at `fraction` (A,) of the measure.
 
-    `placement` and `correction` (A, 3): where the clip lies at the measure's start, and what is added until its end.
-    The way is added while a foot is in the air, as `rise` (N, KNOTS, 2) says for each node (`shifting/`); `aimed`
-    (A, 3) x, z [m] was in already when the share in its last column was, and the rest leads from there. The turn,
-    where `on_support` (A,) is not 0, happens while one foot carries and about that foot: `turns` (N, 8, 8) holds per
-    node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of each dancer.
-    Elsewhere body and path are turned apart: the body by an ease about the hips.
+    `placement` and `correction` (A, 3): the clip's placement at the measure's start, and the change until its end. The
+    translation is applied while a foot is in the air, by the warp curve `rise` (N, KNOTS, 2) of each node
+    (`root_warp`); `aimed` (A, 3) x, z [m] was applied when the share was its last column, and the rest continues from
+    there. If `on_support` (A,) is not 0, the turn happens during single support about the supporting foot: `turns` (N,
+    8, 8) holds per node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of
+    each dancer. Otherwise body and path are turned separately: the body by an ease about the hips.
     """
     for n in range(out.shape[0]):
         v = node[n]
@@ -119,13 +119,14 @@ def trace_hips(
     take_share: Float32,
     settled: bool,
 ) -> None:
-    """Where the hips of A dancers are at M moments [m], `path` (A, M, 2), and how much of a correction is in by then.
+    """Compute the hips of A dancers at M moments [m], `path` (A, M, 2), and the share of the correction applied by
+    then.
 
-    `phase` (A, M): how far each dancer's measure is; below 0 nothing is written. Of an open measure the path is
-    without the correction's way, and its `share` (A, M) is the rise; of a `settled` one the way is in the path and
+    `phase` (A, M): phase in each dancer's measure; below 0 nothing is written. For an open measure the path excludes
+    the correction's translation, and its `share` (A, M) is the warp curve; for a `settled` one the path includes it and
     the share is 0. `clip_root` (S, 3) and `node_first`, `node_last` (N,) as in the library; another take's hips are
-    mixed in by `take_share` (A,), its clip lying at `take_offset` (A, 3) x, z [m], yaw in the axes of the own one.
-    Arrays else as in `place_dancers`.
+    mixed in by `take_share` (A,), its clip placed at `take_offset` (A, 3) x, z [m], yaw in the own clip's axes. Other
+    arrays as in `place_dancers`.
     """
     nothing = np.zeros(3)
     turn = np.zeros(3)
@@ -171,11 +172,11 @@ def end_dancers(
     node_end: Float64,
     node_facing: Float64,
 ) -> None:
-    """Hips (A, 2) [m], heading (A,) [rad] and the `axes` (A, 3) x, z, yaw of the clips that follow, at measures' ends.
+    """Compute hips (A, 2) [m], heading (A,) [rad] and the next clips' `axes` (A, 3) x, z, yaw at the measures' ends.
 
-    `placement` to `on_support` as in `place_dancers`; `end` (A, 2) and `facing` (A,): where hips and bodies end in the
-    clips' own axes, takes mixed in; `node_end` (N, 2) and `node_facing` (N,): the same of the nodes alone, from which
-    the graph's transforms go on (`next_axes`).
+    `placement` to `on_support` as in `place_dancers`; `end` (A, 2) and `facing` (A,): final hips and facing in the
+    clips' axes, takes mixed in; `node_end` (N, 2) and `node_facing` (N,): the same of the nodes alone, to which the
+    graph's transforms refer (`next_axes`).
     """
     for n in range(node.shape[0]):
         v = max(node[n], 0)

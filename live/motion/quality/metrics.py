@@ -1,13 +1,8 @@
-"""Beats: how the motion's own beats lie to those of the music (design: Bailando's and AIST++'s measures, both ways).
+"""Motion quality metrics: beat alignment, foot sliding and skating, smoothness, bone lengths.
 
-Feet: how they slide while they are in contact, and how often they skate.
-
-Contact is never found in the motion that is judged: it is what the source clips say, carried through blends, so that a
-foot that floats or flies is not excused.
-
-Smoothness: how the joints' velocities change, where clips are joined and in the clips themselves.
-
-The figures of one step: slide and skating, jumps of velocity and acceleration, bone lengths.
+Beat alignment follows Bailando (music to motion) and AIST++ (motion to music). Smoothness compares velocity changes at
+clip transitions with those inside the clips. Contact is never detected in the evaluated motion: it comes from the
+source clips, carried through blends, so that a floating foot is not excused.
 """
 
 import math
@@ -29,20 +24,20 @@ Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
 SMOOTH: Final = 5.0 / 60.0
-"""Width [s] of the Gaussian that smooths the mean speed: five frames of 60 a second."""
+"""Width [s] of the Gaussian that smooths the mean speed: five frames at 60 per second."""
 KERNEL: Final = 3.0 / 60.0
-"""Width [s] of the kernel of the alignment: three frames of 60 a second, 50 ms."""
+"""Width [s] of the kernel of the alignment: three frames at 60 per second, 50 ms."""
 
 
 def mean_speed(position: Float, rate: float) -> Float64:
-    """Mean speed of all joints [m/s] between neighbouring samples, (T - 1, ...) from (T, ..., J, 3)."""
+    """Return the mean speed of all joints [m/s] between neighbouring samples, (T - 1, ...) from (T, ..., J, 3)."""
     moved = np.diff(position.astype(np.float64), axis=0)
     return np.asarray(np.linalg.norm(moved, axis=-1).mean(axis=-1) * rate, np.float64)
 
 
 def motion_beats(speed: Float64, rate: float, begin: float = 0.0) -> Float64:
-    """Times [s] of the local minima of the smoothed mean speed (T - 1,), whose first value lies at `begin` plus half
-    a sample."""
+    """Return the times [s] of the local minima of the smoothed mean speed (T - 1,), which starts half a sample after
+    `begin`."""
     if len(speed) < 3:
         return np.zeros(0)
     smooth = gaussian_filter1d(speed, SMOOTH * rate, mode="nearest")
@@ -51,7 +46,7 @@ def motion_beats(speed: Float64, rate: float, begin: float = 0.0) -> Float64:
 
 
 def offsets(beats: Float64, others: Float64) -> Float64:
-    """From each of `beats` (n,) to the nearest of `others` (m,) [s], signed, (n,); empty if either is."""
+    """Return the signed offset from each of `beats` (n,) to the nearest of `others` (m,) [s], (n,); empty if either is."""
     if not len(beats) or not len(others):
         return np.zeros(0)
     others = np.sort(others)
@@ -62,10 +57,10 @@ def offsets(beats: Float64, others: Float64) -> Float64:
 
 
 def alignment(beats: Float64, others: Float64) -> float | None:
-    """Mean of exp(-d² / 2σ²) over `beats`, d the distance to the nearest of `others`, σ 50 ms; None without beats.
+    """Return the mean of exp(-d² / 2σ²) over `beats`, d the distance to the nearest of `others`, σ 50 ms; None without beats.
 
     With the music's beats first it is Bailando's score (does every beat have a move?), with the motion's first that of
-    AIST++ (is every move on a beat?). 0 where there is nothing to be near to.
+    AIST++ (is every move on a beat?). 0 if `others` is empty.
     """
     if not len(beats):
         return None
@@ -81,23 +76,23 @@ SKATING_HEIGHT: Final = 0.05
 SKATING_SPEED: Final = 0.5
 """Frames per second, metres and m/s of the skating ratio (GMD)."""
 SKATING_FRAMES: Final = 5
-"""Frames over which the speed is averaged besides."""
+"""Frames over which the speed is also averaged."""
 
 
 def slide_speeds(position: Float, rate: float) -> Float64:
-    """Speed over the floor [m/s] of each foot, of heel and ball the stiller, (T - 1, ..., 2) from (T, ..., J, 3)."""
+    """Return the horizontal speed [m/s] of each foot, the slower of heel and ball, (T - 1, ..., 2) from (T, ..., J, 3)."""
     feet = np.stack((position[..., ANKLES, :], position[..., BALLS, :]), axis=-2).astype(np.float64)
     moved = np.diff(feet, axis=0)[..., (0, 2)]
     return np.asarray(np.hypot(moved[..., 0], moved[..., 1]).min(axis=-1) * rate, np.float64)
 
 
 def slides(position: Float, contact: Bool, rate: float) -> Float64:
-    """Those speeds between samples in which the foot is in contact, (n,); `contact` is (T, ..., 2)."""
+    """Return `slide_speeds` between samples in which the foot is in contact, (n,); `contact` is (T, ..., 2)."""
     return np.asarray(slide_speeds(position, rate)[contact[1:] & contact[:-1]], np.float64)
 
 
 def skates(position: Float, rate: float) -> Bool:
-    """Frames at 20 a second in which a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
+    """Return at 20 frames per second whether a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
     count = int((len(position) - 1) * SKATING_RATE / rate + 1e-6) + 1
     at = np.minimum(np.arange(count) * rate / SKATING_RATE, len(position) - 1.0)
     low = at.astype(np.int64)
@@ -107,10 +102,10 @@ def skates(position: Float, rate: float) -> Bool:
 
 
 def skating_balls(balls: Float) -> Bool:
-    """Whether a ball skates, (F - 1, ...) from the balls of both feet at 20 frames a second, (F, ..., 2, 3) [m].
+    """Return whether either foot skates, (F - 1, ...) from the balls at 20 frames per second, (F, ..., 2, 3) [m].
 
-    Lower than 5 cm over its place on the floor in two adjacent frames, and faster than 0.5 m/s now and in the mean of
-    five frames; either foot.
+    A ball skates if it is lower than 5 cm above its floor height in two adjacent frames and faster than 0.5 m/s both
+    now and in the mean of five frames.
     """
     if len(balls) < 2:
         return np.zeros((0, *balls.shape[1:-2]), np.bool_)
@@ -125,23 +120,23 @@ def skating_balls(balls: Float) -> Bool:
 
 
 ACCELERATION_WINDOW: Final = 3
-"""Samples over which velocities are averaged before accelerations: recorded markers tremble."""
+"""Samples over which velocities are averaged before accelerations, because recorded markers jitter."""
 AROUND: Final = 0.2
-"""A join is looked at for so many seconds before and after its middle, at least..."""
+"""Minimum seconds before and after the middle of a transition that are evaluated."""
 BESIDE: Final = 0.05
-"""... and always for so many before and after its blend."""
+"""Seconds evaluated before and after the blend of a transition."""
 DRAWN: Final = 4000
-"""Random places of the raw clips that joins are compared with."""
+"""Number of random positions in the raw clips with which transitions are compared."""
 
 
 def velocity_changes(position: Float, rate: float) -> Float64:
-    """Change of each joint's velocity at the samples between the first and last [m/s], (T - 2, ...) of (T, ..., 3)."""
+    """Return the change of each joint's velocity at the samples between the first and last [m/s], (T - 2, ...) of (T, ..., 3)."""
     velocity = np.diff(position.astype(np.float64), axis=0) * rate
     return np.asarray(np.linalg.norm(np.diff(velocity, axis=0), axis=-1), np.float64)
 
 
 def accelerations(position: Float, rate: float) -> Float64:
-    """Acceleration [m/s²], velocities averaged over three samples, (T - 4, ...) from (T, ..., 3): none at the ends."""
+    """Return accelerations [m/s²], velocities averaged over three samples, (T - 4, ...) from (T, ..., 3): none at the ends."""
     velocity = np.diff(position.astype(np.float64), axis=0) * rate
     if len(velocity) < ACCELERATION_WINDOW + 1:
         return np.zeros((0, *velocity.shape[1:-1]))
@@ -150,9 +145,9 @@ def accelerations(position: Float, rate: float) -> Float64:
 
 
 def at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
-    """Largest velocity change [m/s] and acceleration [m/s²] of any joint at every sample, (T, ...) of (T, ..., J, 3).
+    """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint per sample, (T, ...).
 
-    0 at the first and last samples, where there is none.
+    `position` is (T, ..., J, 3). 0 at the first and last samples, where there is none.
     """
     shape = position.shape[:-2]
     change, acceleration = np.zeros(shape), np.zeros(shape)
@@ -164,12 +159,12 @@ def at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
 
 
 def half_width(blend: float) -> float:
-    """Seconds before and after the middle of a join that takes `blend` seconds over which it is looked at."""
+    """Return the seconds evaluated before and after the middle of a transition with a blend of `blend` seconds."""
     return max(AROUND, 0.5 * blend + BESIDE)
 
 
 def largest_around(values: Float64, middle: Float64, half: float, rate: float) -> Float64:
-    """The largest of `values` (T,) within `half` seconds of each of the times `middle` (n,) [s], (n,)."""
+    """Return the largest of `values` (T,) within `half` seconds of each of the times `middle` (n,) [s], (n,)."""
     first = np.clip(np.ceil((middle - half) * rate - 1e-6).astype(np.int64), 0, len(values) - 1)
     last = np.clip(np.floor((middle + half) * rate + 1e-6).astype(np.int64), 0, len(values) - 1)
     width = int((last - first).max(initial=0)) + 1
@@ -178,10 +173,10 @@ def largest_around(values: Float64, middle: Float64, half: float, rate: float) -
 
 
 def p99_of_raw(traces: Sequence[Float64], half: float, rate: float, *, seed: int = 0) -> float:
-    """p99 of the largest value within `half` seconds of random samples of the raw clips' `traces`, each (T,).
+    """Return p99 of the largest value within `half` seconds of random samples of the raw clips' `traces`, each (T,).
 
-    Places are drawn evenly from all samples of all clips that have `half` seconds on both sides; of a clip shorter
-    than that its middle counts. 0 if there is no clip.
+    Positions are drawn uniformly from all samples of all clips with `half` seconds on both sides; of a shorter clip
+    the middle is used. 0 if there is no clip.
     """
     chance = np.random.default_rng(seed)
     margin = half * rate
@@ -198,7 +193,7 @@ def p99_of_raw(traces: Sequence[Float64], half: float, rate: float, *, seed: int
 
 
 class StepFigures:
-    """The figures of one step, over its measures (lead-in and tail left out)."""
+    """Metrics of one step over its measures (without lead-in and tail)."""
 
     def __init__(self, step: StepClip) -> None:
         first = int(step.first)
@@ -211,18 +206,18 @@ class StepFigures:
 
     @property
     def slides(self) -> Float64:
-        """Speeds over the floor [m/s] of feet in contact, of heel and ball the stiller; contact is the clip's own."""
+        """Horizontal speeds [m/s] of feet in contact (the clip's annotation), the slower of heel and ball."""
         return slides(self._position, self._contact, self._rate)
 
     @property
     def slide(self) -> float | None:
-        """Their mean; None if no foot is ever in contact."""
+        """Mean of `slides`; None if no foot is ever in contact."""
         found = self.slides
         return float(found.mean()) if len(found) else None
 
     @property
     def skating(self) -> float:
-        """Share of frames, of 20 a second, in which a foot skates."""
+        """Share of frames, at 20 per second, in which a foot skates."""
         found = skates(self._position, self._rate)
         return float(found.mean()) if len(found) else 0.0
 
@@ -238,7 +233,7 @@ class StepFigures:
 
     @property
     def bone_error(self) -> float:
-        """Largest deviation of a bone's length from the skeleton's [m], as a renderer of matrices would see it."""
+        """Largest deviation of a bone's length from the skeleton's [m], from world joint positions."""
         error = 0.0
         for joint, parent in enumerate(SKELETON.parents):
             if parent >= 0:
@@ -248,12 +243,12 @@ class StepFigures:
 
     @property
     def below_floor(self) -> float:
-        """How far the lowest sole goes below the floor [m]."""
+        """Depth of the lowest sole below the floor [m]."""
         heel = self._position[:, ANKLES, 1] - SOLE_BELOW_ANKLE
         ball = self._position[:, BALLS, 1] - TOES_OVER_SOLE
         return float(max(0.0, -np.minimum(heel, ball).min()))
 
 
 def pelvis_way(before: Clip, after: Clip) -> float:
-    """How far the pelvis was moved by an edit at most [m]."""
+    """Return the largest displacement of the pelvis by an edit [m]."""
     return float(np.linalg.norm(after.root_position - before.root_position, axis=-1).max())

@@ -1,4 +1,4 @@
-"""MotionTrace: the figures of many dancers' motion while it is shown, picture by picture, in little memory."""
+"""Recorder for motion metrics of many dancers during playback, frame by frame, in little memory."""
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +11,15 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
 BLOCK = 64
-"""Pictures that are worked on together."""
+"""Frames processed together."""
 OVERLAP = 4
-"""Pictures of the block before that the next one needs: accelerations reach two to both sides."""
+"""Frames of the previous block needed by the next: accelerations need two on both sides."""
 
 
 class MotionTrace:
-    """Takes one picture after another, evenly spaced in time at `rate` a second; asked when all are in.
+    """Records frames evenly spaced at `rate` per second; results are read after the last frame.
 
-    Kept are three numbers for each dancer and picture, and the balls of the feet twenty times a second.
+    It keeps three numbers per dancer and frame, and the balls of the feet at 20 frames per second.
     """
 
     def __init__(self, rate: float) -> None:
@@ -32,7 +32,7 @@ class MotionTrace:
         self.count = 0
 
     def add(self, position: Float32) -> None:
-        """The next picture: joints of all dancers, (A, J, 3) [m]; copied."""
+        """Add the next frame: joints of all dancers, (A, J, 3) [m]; copied."""
         picture = np.array(position, np.float32)
         self.count += 1
         self._waiting.append(picture)
@@ -41,22 +41,22 @@ class MotionTrace:
             self._work()
 
     def largest(self) -> tuple[Float64, Float64]:
-        """Largest velocity change [m/s] and acceleration [m/s²] of any joint in each picture, (T, A) each."""
+        """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint per frame, (T, A) each."""
         self._work()
         return self._all(self._change, 1), self._all(self._acceleration, 2)
 
     def speeds(self) -> Float64:
-        """Mean speed of the joints between neighbouring pictures [m/s], (T - 1, A)."""
+        """Return the mean speed of the joints between neighbouring frames [m/s], (T - 1, A)."""
         self._work()
         return np.concatenate(self._speed) if self._speed else np.zeros((0, 0))
 
     def skating_ratio(self) -> float | None:
-        """Share of dancers' frames, of 20 a second, in which a foot skates; None if there was no second one."""
+        """Return the share of dancer frames, at 20 per second, in which a foot skates; None for fewer than two frames."""
         found = skating_balls(np.stack(self._balls)) if self._balls else np.zeros((0, 0), np.bool_)
         return float(found.mean()) if found.size else None
 
     def _follow_balls(self, picture: Float32) -> None:
-        """The balls at those of the times k / 20 s that lie between the picture before and this one."""
+        """Record the balls at the times k / 20 s between the previous frame and this one, interpolated."""
         if len(self._waiting) < 2:
             self._balls.append(picture[:, BALLS])
             return
@@ -66,14 +66,14 @@ class MotionTrace:
             self._balls.append((1 - part) * before + part * now)
 
     def _all(self, blocks: list[Float64], edge: int) -> Float64:
-        """The blocks one after another, with zeros for the pictures at both ends that have no value."""
+        """Return the concatenated blocks, with zeros for the frames at both ends without a value."""
         if not blocks:
             return np.zeros((self.count, 0))
         zeros = np.zeros((edge, blocks[0].shape[1]))
         return np.concatenate([zeros, *blocks, zeros])[: self.count]
 
     def _work(self) -> None:
-        """Everything that the pictures that wait can say; the last OVERLAP of them wait on."""
+        """Process the pending frames; keep the last OVERLAP of them."""
         if len(self._waiting) <= OVERLAP:
             return
         block = np.stack(self._waiting)

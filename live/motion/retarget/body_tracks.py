@@ -75,7 +75,9 @@ def body_tracks(
     """
     body = find_body(motion)
     if body.missing:
-        raise MotionFileError(motion.file, None, f"no joints found for {', '.join(body.missing)}", "a full body expected")
+        raise MotionFileError(
+            motion.file, None, f"no joints found for {', '.join(body.missing)}", "a full body expected"
+        )
     world, axis = standing_pose(motion, body, up)
     leg = leg_length(body, world.positions)
     if not leg > 1e-6 or not np.isfinite(leg):

@@ -1,1 +1,1 @@
-"""Texture: sketched motion gets the detail of recordings (Pullen & Bregler). It may import what `motion` may."""
+"""Motion texturing: detail from recordings for sketched motion (Pullen & Bregler). Imports only what `motion` may."""

@@ -1,16 +1,10 @@
-"""Footing: feet that stand go on standing where the sketch has them, whatever pelvis and legs get (P020).
+"""Constraints on textured motion: planted feet stay in place, and measure lines stay close to the sketch (P020).
 
-The order is the paper's: the pelvis and the upper body first; then the legs reach for the sketch's feet; that motion
-is textured in the legs, only while a foot is off the floor.
+The order is the paper's: first the pelvis and the upper body, then IK brings the legs to the sketch's feet, then the
+legs are textured, only while a foot is off the floor.
 
-Tying: a textured step begins and ends so near to its sketch that whatever joins the one joins the other.
-
-Steps are joined where poses at their measure lines are alike. A sketch's arms may be anywhere there as far as the
-recordings know, so there the upper body goes back towards the sketch, no farther than it must.
-
-T-poses that are held for calibration at either end of a recording: nobody dances them, so nothing is made of them.
-
-The paper only rejects fragments that last too long; a held pose trembles, and is cut in short ones all the same.
+Also trims T-poses held for calibration from recordings. The paper only rejects fragments that last too long, but a
+held pose trembles and is still cut into short fragments.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,11 +28,11 @@ Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
 EASE: Final = 0.12
-"""Seconds beside a stance over which a leg's texture comes and goes."""
+"""Time over which a leg's texture fades in and out next to a stance [s]."""
 LOW: Final = 0.05
-"""A sole lower than this [m] goes where the sketch has it."""
+"""A sole lower than this [m] is kept where the sketch has it."""
 STRETCHED: Final = 0.992
-"""The hips sink rather than stretch a leg to more than this share of its length, or than the sketch does."""
+"""The hips sink so that no leg is stretched to more than this share of its length, or more than in the sketch."""
 _HIPS: Final = tuple(SKELETON.index(side + "UpperLeg") for side in ("left", "right"))
 _LEG: Final = float(
     sum(np.linalg.norm(SKELETON.offsets[SKELETON.index(f"left{joint}")]) for joint in ("LowerLeg", "Foot"))
@@ -47,10 +41,10 @@ _SIDE_OF: Final = {joint: 0 if SKELETON.names[joint].startswith("left") else 1 f
 
 
 def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64], charts: Sequence[Chart]) -> Clip:
-    """The clip with the hips at `root` (T, 3), `rotation` (T, J, 4) above the legs, and the legs' texture.
+    """Return the clip with the hips at `root` (T, 3), `rotation` (T, J, 4) above the legs, and textured legs.
 
-    `legs` holds for joints of the legs what is added to their angles (T, 3) in the `charts`. Ankles and feet are where
-    `sketch` has them while they are in contact; where a leg does not reach, the hips sink.
+    `legs` maps leg joints to the offsets (T, 3) added to their angles in the `charts`. Ankles and feet stay where
+    `sketch` has them while they are in contact. Where a leg does not reach, the hips sink.
     """
     moved = not np.array_equal(root, sketch.root_position) or not np.array_equal(rotation[:, 0], sketch.rotation[:, 0])
     if moved:
@@ -77,14 +71,17 @@ def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64
 
 
 def freedom(contact: Bool, height: Float, rate: float) -> Float64:
-    """How much texture each leg may have, (T, 2), smooth in time: none while its foot is in contact or its sole, at
-    `height` (T, 2) [m], is low, for it would skate; all from `EASE` away from that on."""
+    """Return the weight of texture for each leg, (T, 2), smooth in time.
+
+    It is 0 while the foot is in contact or its sole, at `height` (T, 2) [m], is low, because the foot would skate.
+    It is 1 from `EASE` away from that.
+    """
     held = (contact | (height < LOW)).astype(np.float64)
     return np.asarray(1.0 - cover(held, max(1, round(0.5 * EASE * rate))))
 
 
 def _sunk(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
-    """The hips lowered, softly in time, so that no leg is longer than `longest` (T, 2) [m]."""
+    """Return the hips lowered, smoothly in time, so that no leg is longer than `longest` (T, 2) [m]."""
     for _ in range(2):
         position, _ = forward_kinematics(root, rotation)
         way = position[:, _HIPS] - ankles
@@ -98,18 +95,20 @@ def _sunk(root: Float, rotation: Float, ankles: Float, longest: Float, rate: flo
 
 
 APART_M: Final = 0.06
-"""How far upper joints may be from the sketch's at a measure line, root mean square: well within what is joined."""
+"""Largest rms distance of upper joints from the sketch's at a measure line: well within the transition threshold."""
 WINDOW_BEATS: Final = 0.75
-"""How long before a measure line poses are compared and blended (T036)."""
+"""Window before a measure line in which poses are compared and blended (T036)."""
 EASE_BEATS: Final = 0.5
-"""How long it takes to come and to go."""
+"""Duration of the fade in and out."""
 _ALL: Final = SKELETON.joint_count
 
 
 def tied(step: StepClip, textured: Clip, most: float = APART_M) -> tuple[Clip, tuple[float, float]]:
-    """`textured`, a clip of the sketch `step`, tied to it; and how much of it is left at both measure lines, 0 to 1.
+    """Blend `textured`, a clip of the sketch `step`, towards the sketch near both measure lines.
 
-    Legs and hips stay: they hardly leave the sketch's.
+    Steps are joined where poses at their measure lines are alike, so the upper body returns towards the sketch there,
+    by no more than needed. Legs and hips stay: they hardly differ from the sketch's. Return the clip and the share of
+    texture left at both measure lines, 0 to 1.
     """
     beat = step.samples_per_measure / step.beats_per_measure
     first, last = step.first, step.first + step.measures * step.samples_per_measure
@@ -127,7 +126,7 @@ def tied(step: StepClip, textured: Clip, most: float = APART_M) -> tuple[Clip, t
 
 
 def _kept(sketch: Clip, textured: Clip, first: float, last: float, most: float) -> float:
-    """The share of the texture with which joints are `most` from the sketch's between two samples."""
+    """Return the share of texture at which joints are `most` from the sketch's between two samples."""
     part = slice(max(0, int(first)), int(np.ceil(last)) + 1)
     places = []
     for clip in (sketch, textured):
@@ -146,22 +145,25 @@ def _ease(u: Float) -> Float64:
 
 
 LEVEL: Final = 0.35
-"""An arm is level while its direction rises or falls by less than this."""
+"""An arm is level while the vertical part of its unit direction is below this."""
 OPPOSITE: Final = -0.8
-"""Arms point away from each other while the product of their directions is below this."""
+"""Arms point away from each other while the dot product of their directions is below this."""
 STILL: Final = 0.3
 """Hands are still while they are slower than this [m/s]."""
 HELD_S: Final = 0.5
-"""A pose held shorter than this [s] is part of a dance."""
+"""A pose held for less than this [s] is part of the dance."""
 EDGE_S: Final = 3.0
-"""A pose taken later than this [s] after the beginning, or left so long before the end, is a dance's own."""
+"""A pose that starts later than this [s] after the beginning, or ends earlier before the end, belongs to the dance."""
 LOWERED_S: Final = 0.5
-"""How long it takes to leave it [s]."""
+"""Time it takes to leave the pose [s]."""
 _ARMS: Final = tuple((SKELETON.index(s + "UpperArm"), SKELETON.index(s + "Hand")) for s in ("left", "right"))
 
 
 def without_calibration(clip: Clip) -> Clip:
-    """The clip without T-poses at its beginning and its end; as it is where there are none, or nothing else."""
+    """Return the clip without T-poses at its beginning and end.
+
+    The clip is unchanged if it has no T-poses or nothing else.
+    """
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
     arms = [position[:, hand] - position[:, shoulder] for shoulder, hand in _ARMS]
     arms = [arm / np.maximum(np.linalg.norm(arm, axis=-1, keepdims=True), 1e-6) for arm in arms]
@@ -177,14 +179,14 @@ def without_calibration(clip: Clip) -> Clip:
 
 
 def _speed(position: Float, rate: float) -> Float:
-    """Speed [m/s] of a joint at (T, 3), about each sample."""
+    """Return the speed [m/s] of a joint at positions (T, 3), around each sample."""
     if len(position) < 2:
         return np.zeros(len(position))
     return np.asarray(np.linalg.norm(np.gradient(position, axis=0), axis=-1) * rate)
 
 
 def _held(posed: npt.NDArray[np.bool_], rate: float) -> int:
-    """Samples at the beginning until the last pose held there is left; 0 if none is."""
+    """Return the number of samples until the last pose held at the beginning is left, 0 if there is none."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], posed, [False])).astype(np.int8)))
     first = 0
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):

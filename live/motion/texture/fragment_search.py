@@ -1,11 +1,9 @@
-"""Matching: which fragments of the data are most like one of the sketch's (P007-P010).
+"""Search for the fragments of the data that are most like the sketch's, and for paths through them (P007-P013).
 
-Paths through the candidates: as many fragments as possible that follow each other in the data (P011-P013).
-
-A join costs nothing where its two fragments were consecutive in the data, and 1 elsewhere. A path goes through some
-of these free joins; wherever none leads on, it takes the closest match. The best have the fewest costs, and of these
-those that are closer come first. That is the paper's way, `best_paths`. `weighed_paths` is our own: it adds up how far
-matches are off and what joins cost, so that a long run of the data is left where it does not match any more.
+A join costs 0 where its two fragments are consecutive in the data (a free join), and 1 elsewhere. `best_paths` is the
+paper's method (P011-P013): a path follows free joins and otherwise takes the closest match; the fewest costs win, then
+the smallest distance. `weighed_paths` is our addition: it minimizes the sum of match distances and join costs, so a
+long run of the data is left where it no longer matches.
 """
 
 import heapq
@@ -22,11 +20,11 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 LONGEST: Final = 4.0
-"""A fragment of the data that lasts longer than so many times the sketch's is rejected: poses held for calibration."""
+"""A fragment of the data longer than this many times the sketch's is rejected: poses held for calibration."""
 SHARE: Final = 0.1
-"""Of all fragments so many are kept as candidates (K)."""
+"""Share of all fragments kept as candidates (K)."""
 SCALES: Final = (0.0, 2.0)
-"""Within this the scale of P010 is looked for: the paper bounds it not, and a negative one would turn motion about."""
+"""Range of the scale of P010. The paper does not bound it; a negative scale would reverse the motion."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,16 +32,18 @@ class Matches:
     """The candidates of each of n fragments of the sketch, the closest first."""
 
     candidates: tuple[Int64, ...]
-    """For each the fragments of the data, (at most K,)."""
+    """For each the indices of fragments of the data, (at most K,)."""
     distances: tuple[Float64, ...]
-    """The mean square of what differs, value and derivative, of each, in the features' own units."""
+    """Mean squared difference of values and derivatives of each, in the features' units."""
     scales: tuple[Float64, ...]
-    """The scale of each (P010); 1 where none was asked for."""
+    """The scale of each (P010); 1 where scaling is off."""
 
 
 def resampled(signal: Float64, begin: Int64, end: Int64, count: int) -> Float64:
-    """Fragments of `signal` (T, D) from samples `begin` to `end` (F,) by linear resampling to `count` samples,
-    (F, count, D)."""
+    """Return the fragments of `signal` (T, D) from samples `begin` to `end` (F,), (F, count, D).
+
+    Each is resampled linearly to `count` samples.
+    """
     part = np.linspace(0.0, 1.0, count)
     at = begin[:, None] + (end - begin)[:, None] * part
     low = np.minimum(at.astype(np.int64), len(signal) - 2)
@@ -54,9 +54,9 @@ def resampled(signal: Float64, begin: Int64, end: Int64, count: int) -> Float64:
 def match(
     sketch: Float64, sketch_parts: Fragments, data: Float64, data_parts: Fragments, keep: int, *, scale: bool = False
 ) -> Matches:
-    """The `keep` (K) fragments of the data that are most like each of the sketch's.
+    """Return the `keep` (K) fragments of the data that are most like each of the sketch's.
 
-    `sketch` (T, 2 D) and `data` (S, 2 D) hold the D matching angles' band and behind it the derivatives, weighted.
+    `sketch` (T, 2 D) and `data` (S, 2 D) hold one band of the D matching angles, then their weighted derivatives.
     Raises ValueError where every fragment of the data is too long for one of the sketch.
     """
     count = sketch_parts.count
@@ -85,13 +85,13 @@ def match(
 
 
 def _squares(a: Float64, b: Float64) -> Float64:
-    """Squared distances (n, m) of rows (n, d) and (m, d)."""
+    """Return the squared distances (n, m) of rows (n, d) and (m, d)."""
     squares = np.sum(a * a, axis=1)[:, None] + np.sum(b * b, axis=1)[None] - 2.0 * (a @ b.T)
     return np.asarray(np.maximum(squares, 0.0))
 
 
 def _scales(own: Float64, theirs: Float64) -> Float64:
-    """The scale s of each of `theirs` (K, n, D) for which ‖s M - A‖ is least (P010): <M, A> / <M, M>, within SCALES."""
+    """Return for each of `theirs` (K, n, D) the scale s that minimizes ‖s M - A‖ (P010), <M, A> / <M, M>, in SCALES."""
     over = np.einsum("knd,nd->k", theirs, own)
     under = np.einsum("knd,knd->k", theirs, theirs)
     return np.asarray(np.clip(np.where(under > 1e-12, over / np.maximum(under, 1e-12), 1.0), *SCALES))
@@ -99,24 +99,24 @@ def _scales(own: Float64, theirs: Float64) -> Float64:
 
 @dataclass(order=True, slots=True)
 class _Partial:
-    """A path as far as it has come: a linked list from its end."""
+    """A partial path, up to the current fragment."""
 
     cost: int
     distance: float
     row: tuple[int, ...] = field(default=())
-    """Places of the candidates so far: breaks ties, the closer first."""
+    """Ranks of the candidates so far; breaks ties in favour of the closer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """One way through the candidates of n fragments."""
+    """One path through the candidates of n fragments."""
 
     places: tuple[int, ...]
-    """Which of its candidates each takes, 0 for the closest, (n,)."""
+    """Rank of the candidate chosen for each fragment, 0 for the closest, (n,)."""
     free: int
-    """Joins of fragments that were consecutive in the data."""
+    """Number of joins of fragments that are consecutive in the data."""
     distance: float
-    """Sum of the distances of what is taken."""
+    """Sum of the distances of the chosen candidates."""
 
 
 def best_paths(
@@ -125,14 +125,14 @@ def best_paths(
     follows: Callable[[int, int], bool],
     most: int,
 ) -> list[Path]:
-    """The best `most` (P) paths, or all if there are fewer.
+    """Return the best `most` (P) paths, or all if there are fewer.
 
-    `candidates[i]` are the fragments of the data that match the i-th of the sketch, the closest first, and
-    `follows(a, b)` says whether b comes right after a in the data. A candidate that is not the closest is taken only
-    where a free join leads to it or on from it.
+    `candidates[i]` are the fragments of the data that match the i-th of the sketch, the closest first.
+    `follows(a, b)` tells whether b comes right after a in the data. A candidate other than the closest is chosen only
+    where a free join leads to it or from it.
     """
-    # two kinds of ends: those to which a free join led, or that are the closest, may go anywhere; the others must go on
-    # by a free join
+    # Two kinds of ends: those reached by a free join, and the closest matches, may continue anywhere. The others must
+    # continue by a free join.
     free_ends, bound_ends = _first(candidates[0], distances[0])
     for index in range(1, len(candidates)):
         before, after = candidates[index - 1], candidates[index]
@@ -174,7 +174,7 @@ def weighed_paths(
     most: int,
     join: float,
 ) -> list[Path]:
-    """The `most` paths with the least sum of distances and joins, each join that was none in the data at `join`."""
+    """Return the `most` paths with the least sum of distances and joins. A join costs `join` unless it is free."""
     ends = {place: [_Partial(0, float(far), (place,))] for place, far in enumerate(distances[0])}
     for index in range(1, len(candidates)):
         place_of = {fragment: place for place, fragment in enumerate(candidates[index - 1])}
@@ -206,6 +206,6 @@ def _first(
 
 
 def _going_on(own: Sequence[int], then: Sequence[int], follows: Callable[[int, int], bool]) -> set[int]:
-    """Places in `own` from which a free join leads into `then`."""
+    """Return the ranks in `own` from which a free join leads into `then`."""
     there = set(then)
     return {place for place, one in enumerate(own) if one + 1 in there and follows(one, one + 1)}

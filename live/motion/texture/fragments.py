@@ -1,6 +1,6 @@
-"""Fragments: where curves are broken, at the turning points of one band of one angle (P006).
+"""Cutting of curves into fragments at turning points of one band of one angle, and joining without jumps and kinks.
 
-Joining: fragments laid end to end become one curve without jumps and kinks (P014-P017).
+Cutting is P006, joining P014-P017.
 """
 
 from dataclasses import dataclass
@@ -13,19 +13,19 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 LEAST: Final = 3
-"""Samples between cuts: a fragment of fewer is no movement, and nothing could be joined in it."""
+"""Fewest samples between cuts: a shorter fragment is no movement and leaves no room for a join."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fragments:
-    """F fragments of one or several clips laid one after the other; neighbours share the sample of the cut."""
+    """F fragments of one or several concatenated clips. Neighbours share the sample of the cut."""
 
     begin: Int64
-    """First sample of each, (F,), increasing."""
+    """First sample of each fragment, (F,), increasing."""
     end: Int64
-    """Its last sample, (F,)."""
+    """Last sample of each, (F,)."""
     clip: Int64
-    """The clip each is of, (F,)."""
+    """Index of the clip of each, (F,)."""
 
     @property
     def count(self) -> int:
@@ -34,7 +34,7 @@ class Fragments:
 
     @property
     def length(self) -> Int64:
-        """Samples of each less one, (F,)."""
+        """Number of samples of each, minus one, (F,)."""
         return self.end - self.begin
 
     def follows(self, first: int, second: int) -> bool:
@@ -43,9 +43,9 @@ class Fragments:
 
 
 def find_cuts(curve: Float64, least: int = LEAST) -> Int64:
-    """Samples at which `curve` (T,) is cut: its ends, and wherever its derivative changes sign between them.
+    """Return the samples at which `curve` (T,) is cut: its ends and the sign changes of its derivative.
 
-    A curve that rests goes on as it went before. Cuts are at least `least` samples apart.
+    A constant stretch keeps the sign before it. Cuts are at least `least` samples apart.
     """
     sign = np.sign(np.diff(curve))
     moving = np.flatnonzero(sign)
@@ -59,7 +59,7 @@ def find_cuts(curve: Float64, least: int = LEAST) -> Int64:
 
 
 def fragments_of(cuts: list[Int64], starts: list[int]) -> Fragments:
-    """The fragments between the `cuts` of each clip, whose first sample is `starts[n]` in all."""
+    """Return the fragments between the `cuts` of each clip; clip n starts at sample `starts[n]` of the whole data."""
     begin = [c[:-1] + start for c, start in zip(cuts, starts, strict=True)]
     end = [c[1:] + start for c, start in zip(cuts, starts, strict=True)]
     clip = [np.full(len(c) - 1, n, np.int64) for n, c in enumerate(cuts)]
@@ -69,17 +69,17 @@ def fragments_of(cuts: list[Int64], starts: list[int]) -> Fragments:
 Bool = npt.NDArray[np.bool_]
 
 REACH: Final = 10
-"""N of P016 in samples of 24 a second; 5 to 20 are useful."""
+"""N of P016 [samples at 24 Hz]; 5 to 20 are useful."""
 SHORTEST: Final = 2
-"""With less beside the join there is nothing to fit to."""
+"""With fewer samples on each side of the join there is nothing to fit."""
 LEFT_OUT: Final = 2
-"""Samples beside the join that the quadratic is not fitted to (P016)."""
+"""Samples next to the join that are excluded from the quadratic fit (P016)."""
 
 
 def skewed(parts: list[Float64]) -> list[Float64]:
-    """Fragments (n_i, D) whose neighbours meet: at the mean of what the one ends and the next one begins with.
+    """Return the fragments (n_i, D) skewed so that neighbours meet at the mean of their ends.
 
-    The line through a fragment's old ends is taken away and the line through its new ones added (P014, P015).
+    The line through a fragment's old ends is subtracted and the line through its new ends added (P014, P015).
     """
     first = [part[0] for part in parts]
     last = [part[-1] for part in parts]
@@ -94,24 +94,24 @@ def skewed(parts: list[Float64]) -> list[Float64]:
 
 
 def laid(parts: list[Float64]) -> Float64:
-    """Fragments one after the other, sharing the sample at which they meet, (T, D)."""
+    """Return the fragments concatenated, with shared samples where they meet, (T, D)."""
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
 def blend(reach: int) -> Float64:
-    """How much of the quadratic there is at -reach to reach samples from the join: cos²(π t / 2 N), (2 N + 1,).
+    """Return the weight of the quadratic at -reach to reach samples from the join: cos²(π t / 2 N), (2 N + 1,).
 
-    1 at the join and 0, without slope, at the ends. (The paper prints (cos + 1)², which is 4 and 1 there, and says
-    sine squared; P017.)
+    It is 1 at the join and 0, with zero slope, at the ends. (The paper prints (cos + 1)², which is 4 and 1 there, and
+    calls it sine squared; P017.)
     """
     return np.cos(0.5 * np.pi * np.arange(-reach, reach + 1) / max(reach, 1)) ** 2
 
 
 def quadratic(signal: Float64, join: int, reach: int) -> Float64:
-    """The parabola fitted to `signal` (T, D) from `reach` to LEFT_OUT samples away from `join` on both sides, at all of
-    these samples, (2 reach + 1, D) (P016).
+    """Fit a parabola to `signal` (T, D) from `reach` to LEFT_OUT samples away from `join` on both sides (P016).
 
-    Two points on each side, at least, decide it: with a reach of 2 those 1 sample away count, too.
+    Return it at all samples within `reach`, (2 reach + 1, D). The fit needs at least two points on each side, so with
+    a reach of 2 the samples next to the join are included.
     """
     t = np.arange(-reach, reach + 1.0)
     fitted = np.abs(t) >= min(LEFT_OUT, reach - 1)
@@ -120,11 +120,10 @@ def quadratic(signal: Float64, join: int, reach: int) -> Float64:
 
 
 def smoothed(signal: Float64, joins: Int64, most: int = REACH, consecutive: Bool | None = None) -> Float64:
-    """`signal` (T, D) with its kinks at `joins` (n,) blended into parabolas (P016, P017), (T, D).
+    """Return `signal` (T, D) with its kinks at `joins` (n,) blended into parabolas (P016, P017), (T, D).
 
-    N, for the fit as for the blend, is `most` or half of the shorter of the two fragments, whichever is less: so no
-    two blends overlap and the parabola is nowhere used beyond what it was fitted to. Joins that are `consecutive` (n,)
-    in the data are left alone.
+    N, for fit and blend, is the smaller of `most` and half of the shorter of the two fragments. So no two blends
+    overlap and the parabola is never extrapolated. Joins that are `consecutive` (n,) in the data are unchanged.
     """
     out = signal.copy()
     edges = np.concatenate(([0], joins, [len(signal) - 1]))

@@ -1,15 +1,12 @@
-"""Frequency bands of a signal: a Laplacian pyramid that keeps its sampling (P003).
+"""Clips as tracks of continuous joint angles at 24 Hz, and their frequency bands.
 
-Band 1 is the highest. Each next one comes of a filter twice as long (Burt and Adelson's B-spline 1 4 6 4 1, with
-zeros between its taps), so bands keep the signal's rate, move with it in time, and add up to it exactly.
+Bands are a Laplacian pyramid without downsampling (P003). Band 1 is the highest. Each next band uses a filter twice as
+long (Burt and Adelson's B-spline 1 4 6 4 1, with zeros between its taps). Bands keep the signal's rate and phase and
+add up to it exactly.
 
-Charts: joint angles as curves that go on without a jump or a singularity, and back to rotations.
-
-A chart is chosen for each joint by what it has to hold: the rotation vector from the joint's mean rotation where
-nothing goes near half a turn from it, else that order of Euler angles whose middle angle stays farthest from a right
-angle, with outer angles that count full turns. The hips' first angle is always the heading.
-
-Tracks: a clip as degrees of freedom at 24 samples a second, three for each joint and three for the body's sway.
+A chart maps a joint's rotations to angles without jumps or singularities and back. It is the rotation vector from the
+mean rotation if all rotations stay well within half a turn of it. Otherwise it is the Euler order whose middle angle
+stays farthest from a right angle, with unwrapped outer angles. The hips' first angle is always the heading.
 """
 
 from collections.abc import Sequence
@@ -28,16 +25,16 @@ Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
 RATE: Final = 24.0
-"""Samples per second in which bands are counted, as in the paper [Hz]: band 1 is 6 to 12 Hz, band 2 is 3 to 6 Hz."""
+"""Sample rate of the bands, as in the paper [Hz]: band 1 is 6 to 12 Hz, band 2 is 3 to 6 Hz."""
 MOST_BANDS: Final = 10
 """Band 10 at 24 samples a second has a period of a minute."""
 
 
 def split_bands(signal: Float, count: int) -> Float64:
-    """`count` bands of `signal` (T, ...), the highest first, and what is left of it, (count + 1, T, ...).
+    """Split `signal` (T, ...) into `count` bands, the highest first, and the residual, (count + 1, T, ...).
 
-    Their sum is the signal. Beyond its ends a signal goes on reflected in its end *points*, x(-t) = 2 x(0) - x(t):
-    so a line has no bands, all bands are 0 at both ends, and nothing of a trend comes into them.
+    Their sum is the signal. The signal is extended by reflection in its end *points*, x(-t) = 2 x(0) - x(t). So a
+    line has no bands, all bands are 0 at both ends, and a trend does not leak into them.
     """
     if count < 0:
         raise ValueError(f"{count} bands: 0 or more expected")
@@ -52,12 +49,12 @@ def split_bands(signal: Float, count: int) -> Float64:
 
 
 def lower_half(signal: Float64, spacing: int) -> Float64:
-    """`signal` (T, ...) without its upper half of frequencies at a filter whose taps are `spacing` samples apart."""
+    """Return `signal` (T, ...) low-passed to its lower half of frequencies, with taps `spacing` samples apart."""
     length = len(signal)
     if length < 2:
         return signal.copy()
     reach = 2 * spacing
-    if reach < length:  # one reflection at each end is all that the filter sees
+    if reach < length:  # the filter spans at most one reflection at each end
         before = 2.0 * signal[0] - signal[reach:0:-1]
         after = 2.0 * signal[-1] - signal[-2 : -2 - reach : -1]
         wide = np.concatenate((before, signal, after))
@@ -68,7 +65,7 @@ def lower_half(signal: Float64, spacing: int) -> Float64:
 
 
 def _reflected(signal: Float64, reach: int) -> Float64:
-    """The signal with `reach` samples more at both ends, however often it must be reflected for that."""
+    """Return the signal extended by `reach` samples at both ends, reflected as often as needed."""
     last = len(signal) - 1
     at = np.arange(-reach, last + reach + 1)
     shape = (-1, *(1,) * (signal.ndim - 1))
@@ -82,31 +79,31 @@ def _reflected(signal: Float64, reach: int) -> Float64:
 
 VECTOR: Final = "vector"
 FARTHEST: Final = np.radians(150.0)
-"""A rotation vector serves where no rotation is farther from the mean than this."""
+"""A rotation vector is used where no rotation is farther from the mean than this [rad]."""
 HIP_ORDERS: Final = ("YXZ", "YZX")
 ORDERS: Final = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chart:
-    """How the rotations of one joint become three angles."""
+    """Mapping of one joint's rotations to three angles and back."""
 
     kind: str
     """"vector", or an order of Euler angles (as in `euler_to_quaternion`)."""
     middle: Float64
-    """Rotation from which angles are counted, (4,)."""
+    """Reference rotation of the angles, (4,)."""
     margin: float
-    """How far what it was chosen for stays away from where it fails [rad]."""
+    """Distance of the rotations it was chosen for from its singularity [rad]."""
 
     def angles(self, rotation: Float) -> Float64:
-        """Angles [rad] (T, 3) of rotations (T, 4), continuous in time."""
+        """Return the angles [rad] (T, 3) of rotations (T, 4), continuous in time."""
         away = quaternion.mul(quaternion.inverse(self.middle), np.asarray(rotation, np.float64))
         if self.kind == VECTOR:
             return _vectors(away)
         return _settled(np.unwrap(euler_angles(away, self.kind), axis=0))
 
     def rotations(self, angles: Float) -> Float64:
-        """Rotations (T, 4), unit, of angles (T, 3) [rad]."""
+        """Return the unit rotations (T, 4) of angles (T, 3) [rad]."""
         if self.kind == VECTOR:
             away = quaternion.from_rotation_vector(np.asarray(angles, np.float64))
         else:
@@ -115,8 +112,10 @@ class Chart:
 
 
 def choose_charts(rotation: Float) -> tuple[Chart, ...]:
-    """A chart for each joint that holds `rotation` (T, J, 4), all that is to be held, in whatever order; joint 0 is
-    the hips."""
+    """Return a chart for each joint that covers its rotations in `rotation` (T, J, 4), in any order of samples.
+
+    Joint 0 is the hips.
+    """
     rotation = np.asarray(rotation, np.float64)
     charts = [_best_order(rotation[:, 0], np.array(quaternion.IDENTITY), HIP_ORDERS)]
     middles = mean_rotation(rotation)
@@ -132,9 +131,9 @@ def choose_charts(rotation: Float) -> tuple[Chart, ...]:
 
 
 def euler_angles(rotation: Float, order: str) -> Float64:
-    """The three angles [rad] (..., 3) of unit quaternions (..., 4) in an `order` of three different axes.
+    """Return the three angles [rad] (..., 3) of unit quaternions (..., 4) in an `order` of three different axes.
 
-    They undo `euler_to_quaternion`; the middle one is within a right angle.
+    Inverse of `euler_to_quaternion`. The middle angle is within ±90 degrees.
     """
     i, j, k = ("XYZ".index(axis) for axis in order)
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
@@ -163,7 +162,7 @@ def _best_order(rotation: Float, middle: Float, orders: tuple[str, ...]) -> Char
 
 
 def _vectors(away: Float) -> Float64:
-    """Rotation vectors (T, 3), up to a full turn long, of quaternions (T, 4) followed in time."""
+    """Return continuous rotation vectors (T, 3), up to a full turn long, of quaternions (T, 4)."""
     q = quaternion.continuous(away)
     if q[:, 0].mean() < 0.0:
         q = -q
@@ -173,7 +172,7 @@ def _vectors(away: Float) -> Float64:
 
 
 def _settled(angles: Float64) -> Float64:
-    """Outer angles by so many full turns less that their median lies within half a turn of 0."""
+    """Return the angles, the outer ones shifted by full turns so that their median is within half a turn of 0."""
     turns = np.round(np.median(angles, axis=0) / (2.0 * np.pi))
     turns[1] = 0.0
     return np.asarray(angles - 2.0 * np.pi * turns)
@@ -182,15 +181,15 @@ def _settled(angles: Float64) -> Float64:
 Int64 = npt.NDArray[np.int64]
 
 SWAY: Final = JOINT_COUNT
-"""The "joint" after the last one: where the hips are, to their left, up and forward [m]."""
+"""Index of the pseudo-joint after the last one: offset of the hips to their left, up and forward [m]."""
 SLOW: Final = 5
-"""Bands of heading and sway that are kept: what is slower is the way itself, which is the sketch's."""
+"""Bands of heading and sway that are kept. Slower motion is the path itself, which comes from the sketch."""
 COLUMNS: Final = 3 * (JOINT_COUNT + 1)
-"""Degrees of freedom of a clip."""
+"""Number of degrees of freedom of a clip: three for each joint and three for the sway."""
 
 
 def columns_of(joints: Sequence[int]) -> Int64:
-    """The columns of the degrees of freedom of `joints`."""
+    """Return the columns of the degrees of freedom of `joints`."""
     return np.array([3 * joint + axis for joint in joints for axis in range(3)], np.int64)
 
 
@@ -204,7 +203,10 @@ class Sampled:
 
 
 def sample_clip(clip: Clip) -> Sampled:
-    """The clip at `RATE` samples a second. Neighbouring samples are degrees apart: the chord stands for the arc."""
+    """Return the clip at `RATE` samples a second.
+
+    Rotations are interpolated linearly and normalized, because neighbouring samples are only degrees apart.
+    """
     last = clip.sample_count - 1
     count = int(np.ceil(last * RATE / clip.sample_rate - 1e-6)) + 1
     at = np.minimum(np.arange(count) * (clip.sample_rate / RATE), last)
@@ -221,15 +223,15 @@ def sample_clip(clip: Clip) -> Sampled:
 
 
 def charts_for(samples: Sequence[Sampled]) -> tuple[Chart, ...]:
-    """Charts that hold all of these clips."""
+    """Return charts that cover all of these clips."""
     return choose_charts(np.concatenate([one.rotation for one in samples]))
 
 
 def tracks_of(sampled: Sampled, charts: Sequence[Chart]) -> Float64:
-    """All degrees of freedom (T, COLUMNS) [rad, m] of a clip.
+    """Return all degrees of freedom (T, COLUMNS) [rad, m] of a clip.
 
-    The heading and the sway are what is beside their slow course. The sway is where the hips are beside their slow
-    way, in the axes of the hips' heading: dancers sway alike wherever they go.
+    Heading and sway are deviations from their low-passed course. The sway is the hips' offset from their smoothed
+    path, in the axes of the hips' heading, so it does not depend on the direction of travel.
     """
     out = np.empty((len(sampled.root), COLUMNS))
     for joint, chart in enumerate(charts):
@@ -240,19 +242,19 @@ def tracks_of(sampled: Sampled, charts: Sequence[Chart]) -> Float64:
 
 
 def headings(hips: Float) -> Float64:
-    """Headings [rad] (T,) of the hips' rotations (T, 4), about the vertical."""
+    """Return the headings [rad] (T,) of the hips' rotations (T, 4), about the vertical."""
     return np.asarray(np.unwrap(euler_angles(np.asarray(hips, np.float64), "YXZ")[..., 0]))
 
 
 def turned(vectors: Float, heading: Float) -> Float64:
-    """Vectors (T, 3) turned about the vertical by `heading` (T,)."""
+    """Return vectors (T, 3) rotated about the vertical by `heading` (T,) [rad]."""
     sine, cosine = np.sin(heading), np.cos(heading)
     x, y, z = np.moveaxis(vectors, -1, 0)
     return np.stack((cosine * x + sine * z, y, -sine * x + cosine * z), axis=-1)
 
 
 def _way(root: Float) -> Float64:
-    """The slow way of the hips over the floor, (T, 3): lower than band `SLOW`; no height."""
+    """Return the smoothed path of the hips over the floor, (T, 3): below band `SLOW`, height 0."""
     way = split_bands(root, SLOW)[-1]
     way[:, 1] = 0.0
     return np.asarray(way)

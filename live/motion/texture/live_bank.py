@@ -1,7 +1,8 @@
-"""Bank: motion capture cut at its beats, ready to be danced by upper bodies on stage (P024).
+"""Bank of motion capture cut at its beats, for texturing of upper bodies in real time (P024).
 
-The printed method needs the future: a low band and a fragment's end lie ahead. On stage fragments are beats; the legs'
-last half beat and the first quarter of the present one (a prefix) choose whose upper body goes on; see `kernels.py`.
+The published method needs future samples for low bands and for the end of a fragment. In real time a fragment is one
+beat. It is chosen by the legs' last half beat and the first quarter of the current beat (the prefix); see
+`live_texture_kernels.py`.
 """
 
 import hashlib
@@ -26,7 +27,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 BEATS_AFTER: Final = 3
-"""A fragment is chosen within its first beat and left within three: so much of its clip must follow."""
+"""A fragment is chosen within its first beat and left within three beats, so its clip must last this long after it."""
 _LEGS: Final = tuple(
     tuple(SKELETON.index(side + joint) for joint in ("UpperLeg", "LowerLeg", "Foot")) for side in ("left", "right")
 )
@@ -34,22 +35,22 @@ _LEGS: Final = tuple(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TextureBank:
-    """All recordings, 16 samples a beat, one after the other: S samples, F fragments of a beat."""
+    """All recordings, concatenated, at 16 samples a beat: S samples, F fragments of one beat."""
 
     upper: Float32
-    """Local rotations of the upper joints, (S, 13, 4), in each clip of signs that go on."""
+    """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip."""
     middle: Float32
-    """Mean rotation of each upper joint, (13, 4): which of two signs a quaternion has."""
+    """Mean rotation of each upper joint, (13, 4): reference for the sign of quaternions."""
     begin: Int32
     """Sample at which each fragment begins, (F,)."""
     first: Int32
-    """First and ..."""
+    """First sample of the clip of each fragment, (F,)."""
     last: Int32
-    """... last sample of its clip, (F,)."""
+    """Last sample of the clip of each fragment, (F,)."""
     legs: Float32
-    """What legs do about the beginning of each, (DIMENSIONS, F)."""
+    """Leg features around the beginning of each fragment, (DIMENSIONS, F)."""
     spread: float
-    """Mean square distance of two fragments: the unit of distances."""
+    """Mean squared distance of two fragments: the unit of distances."""
 
     @property
     def count(self) -> int:
@@ -57,20 +58,23 @@ class TextureBank:
         return len(self.begin)
 
     def digest(self) -> str:
-        """A short name for all that is in it."""
+        """Return a short hash of the contents."""
         parts = (self.upper, self.begin, self.legs)
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
     @classmethod
     def empty(cls) -> "TextureBank":
-        """One with nothing in it: nobody is textured."""
+        """Return an empty bank; no dancer is textured."""
         none, numbers = np.zeros(0, np.int32), np.zeros((DIMENSIONS, 0), np.float32)
         middle = np.tile(np.array((1.0, 0.0, 0.0, 0.0), np.float32), (UPPER_COUNT, 1))
         return cls(np.zeros((0, UPPER_COUNT, 4), np.float32), middle, none, none, none, numbers, 1.0)
 
     @classmethod
     def of(cls, clips: Sequence[StepClip]) -> "TextureBank":
-        """The beats of these recordings; those with fewer than four hold none. ValueError if none is left."""
+        """Return the beats of these recordings.
+
+        Recordings with fewer than four beats are skipped. Raises ValueError if none is left.
+        """
         upper, tracks, begin, first, last = [], [], [], [], []
         start = 0
         for clip in clips:
@@ -101,7 +105,7 @@ class TextureBank:
 
 
 def legs_of(rotation: Float) -> Float64:
-    """Knees and ankles in the axes of the hips [m], (T, FEATURES), of local rotations (T, J, 4)."""
+    """Return knees and ankles in the axes of the hips [m], (T, FEATURES), from local rotations (T, J, 4)."""
     if rotation.shape[1] != JOINT_COUNT:
         raise ValueError(f"{rotation.shape[1]} joints: {JOINT_COUNT} expected")
     offsets = SKELETON.offsets.astype(np.float64)
@@ -114,14 +118,14 @@ def legs_of(rotation: Float) -> Float64:
 
 
 def prefixes(tracks: Float64, begin: Int32, first: Int32) -> Float64:
-    """What legs do about the samples `begin` (F,), (DIMENSIONS, F): half a beat before to a quarter after."""
+    """Return leg features from half a beat before to a quarter after the samples `begin` (F,), (DIMENSIONS, F)."""
     moments = (np.arange(SLOTS) - SLOTS // 2 - 1) * (PER_BEAT // 8)
     at = np.maximum(begin[None] + moments[:, None], first[None])
     return compared(tracks[at])
 
 
 def compared(moments: Float) -> Float64:
-    """Numbers to compare, (DIMENSIONS, F), of legs at SLOTS moments, (SLOTS, F, FEATURES)."""
+    """Return the features to compare, (DIMENSIONS, F), of legs at SLOTS moments, (SLOTS, F, FEATURES)."""
     change = DERIVATIVE * np.diff(moments, axis=0)
     both = np.concatenate((moments, change)).astype(np.float64)
     return np.asarray(both.transpose(0, 2, 1).reshape(DIMENSIONS, -1))

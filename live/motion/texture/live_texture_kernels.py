@@ -1,4 +1,4 @@
-"""Kernels of live texturing: which fragment matches the legs' prefix, and upper bodies dressed with what was chosen."""
+"""Kernels of real-time texturing: match the legs' prefix to a fragment, and blend the fragment into the upper body."""
 
 import math
 from typing import Final
@@ -14,26 +14,26 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
 PER_BEAT: Final = 16
-"""Samples of a bank in a beat."""
+"""Samples a beat in a bank."""
 SLOTS: Final = 7
-"""Moments at which legs are compared: every eighth beat, from half a beat before a beat line to a quarter after."""
+"""Moments at which legs are compared: every eighth of a beat, from half a beat before a beat to a quarter after."""
 FEATURES: Final = 12
-"""Numbers that tell where both knees and ankles are."""
+"""Coordinates of both knees and ankles."""
 DERIVATIVE: Final = 2.0
-"""Weight of how legs move, from one of the moments to the next, against where they are."""
+"""Weight of the legs' movement from one moment to the next, against their positions."""
 DIMENSIONS: Final = (2 * SLOTS - 1) * FEATURES
-"""Numbers by which beats are compared: where knees and ankles are at all moments, and how that changes."""
+"""Size of the feature vector of a beat: knees and ankles at all moments, and their changes."""
 UPPER_COUNT: Final = 13
-"""Joints of the upper body: those after the hips, one after the other, the first of which is 1."""
+"""Joints of the upper body: consecutive joints after the hips, starting at joint 1."""
 HEAD_FROM: Final = 3
-"""Of these the neck and the head are HEAD_FROM and the next."""
+"""Index of the neck among these; the head is the next one."""
 
 
 @kernel("void(f4[:,::1], f4[:,:,::1], f4[:,:,::1])")
 def watch_legs(out: Float32, position: Float32, rotation: Float32) -> None:
-    """Knees and ankles in the axes of the hips, (A, FEATURES), of legs at `position` and `rotation` (A, 9, 3 or 4).
+    """Write knees and ankles in the axes of the hips to `out` (A, FEATURES).
 
-    Joints are hips, then thigh, shin, foot and toes of the left and of the right leg, in the world.
+    `position` and `rotation` (A, 9, 3 or 4), world: hips, then thigh, shin, foot and toes of the left and right leg.
     """
     for a in range(out.shape[0]):
         w, x, y, z = rotation[a, 0, 0], -rotation[a, 0, 1], -rotation[a, 0, 2], -rotation[a, 0, 3]
@@ -54,10 +54,10 @@ def watch_legs(out: Float32, position: Float32, rotation: Float32) -> None:
 def keep_moments(
     kept: Float32, before: Float32, now: Float32, danced_before: Float64, danced: Float64, per_beat: int
 ) -> None:
-    """Keep where legs were at every 1 / `per_beat` beat that was passed since the last tick: `kept` (A, slots, n).
+    """Record the leg features at every 1 / `per_beat` beat passed since the last tick in `kept` (A, slots, n).
 
-    `before` and `now` (A, n) are what was watched then and now, at the danced beats `danced_before` and `danced` (A,);
-    between them legs went straight.
+    `before` and `now` (A, n) are the features at the last tick and now, at the dancers' beats `danced_before` and
+    `danced` (A,). Features are interpolated linearly between them.
     """
     slots = kept.shape[1]
     for a in range(kept.shape[0]):
@@ -75,7 +75,7 @@ def keep_moments(
 
 @kernel("i8(i8,i8,i8)")
 def mixed(seed: int, dancer: int, fragment: int) -> int:
-    """A number of 24 bits that these three make, like chance."""
+    """Return a 24-bit hash of the three values, used as a random number."""
     value = (seed * 0x9E3779B1 + dancer * 0x85EBCA6B + fragment * 0xC2B2AE35) & 0xFFFFFFFF
     value = ((value ^ (value >> 15)) * 0x2C1B3C6D) & 0xFFFFFFFF
     value = ((value ^ (value >> 12)) * 0x297A2D39) & 0xFFFFFFFF
@@ -84,8 +84,10 @@ def mixed(seed: int, dancer: int, fragment: int) -> int:
 
 @kernel("void(f4[::1], f4[:,::1], i8)")
 def prefix_of(own: Float32, kept: Float32, line: int) -> None:
-    """What is compared of legs about the beat `line`, into `own` (D,), of what was `kept` (moments, FEATURES) of them:
-    where knees and ankles were at SLOTS moments, then how that changed, as `compared` of the bank has it."""
+    """Write the features of the legs around the beat `line` to `own` (D,), from `kept` (moments, FEATURES).
+
+    They are knees and ankles at SLOTS moments, then their changes, in the layout of `compared` in `live_bank`.
+    """
     moments = kept.shape[0]
     for slot in range(SLOTS):
         row = int((8 * line + slot - SLOTS // 2 - 1) % moments)
@@ -99,10 +101,10 @@ def prefix_of(own: Float32, kept: Float32, line: int) -> None:
 def nearest_fragment(
     far: Float32, legs: Float32, own: Float32, going: int, join: float, taste: float, seed: int, dancer: int
 ) -> int:
-    """The fragment, of F, whose legs are most like `own` (D,); `legs` is (D, F), `far` (F,) is scratch.
+    """Return the fragment, of F, whose legs are most like `own` (D,); `legs` is (D, F), `far` (F,) is scratch.
 
-    Every fragment but the one that is `going` on (-1: none) costs `join` more. Distances count up to (1 + `taste`)
-    times as much, for each dancer and fragment by chance: so each dancer has fragments she likes.
+    Every fragment except the continuation `going` (-1: none) costs `join` more. Distances are multiplied by a random
+    factor from 1 to 1 + `taste` for each dancer and fragment, so dancers prefer different fragments.
     """
     count = far.shape[0]
     for f in range(count):
@@ -124,7 +126,7 @@ def nearest_fragment(
 
 @kernel("void(f4[::1], f4[:,:,::1], i8, f8, i8, i8)")
 def _read(out: Float32, upper: Float32, joint: int, sample: float, first: int, last: int) -> None:
-    """The rotation of a joint at a fractional `sample`: the cubic through four neighbours, not unit."""
+    """Read the rotation of a joint at a fractional `sample`, by a cubic through four samples, not normalized."""
     at = min(max(sample, float(first)), float(last))
     low = min(int(at), max(last - 1, first))
     t = np.float32(at - low)
@@ -144,7 +146,7 @@ def _read(out: Float32, upper: Float32, joint: int, sample: float, first: int, l
 
 @kernel("void(f4[::1])")
 def _unit(q: Float32) -> None:
-    """Make `q` as long as 1; what has no length is no rotation."""
+    """Normalize `q` in place; a zero quaternion becomes the identity."""
     size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     if size < 1e-6:
         q[0], size = 1.0, 1.0
@@ -157,10 +159,10 @@ def _unit(q: Float32) -> None:
 def signs_of(
     upper: Float32, here: float, limits: Int32, there: float, other: Int32, known: int, middle: Float32, whole: bool
 ) -> int:
-    """For which joints, a bit each, the sample `here` is to be read with the opposite sign, from now on.
+    """Return a bit for each joint whose quaternion at sample `here` must be read with the opposite sign.
 
-    If texture is the `whole` of what is seen, so that the way from the sample `there`, read with the signs `known`, is
-    the shorter one; else so that the way from the `middle` is, about which steps are, too.
+    If texture fully covers the pose (`whole`), the sign gives the shorter way from the sample `there`, read with the
+    signs `known`. Otherwise it gives the shorter way from the mean rotation `middle`, which steps are close to.
     """
     a, b = np.empty(4, np.float32), np.empty(4, np.float32)
     bits = 0
@@ -181,7 +183,7 @@ def signs_of(
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f8)")
 def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
-    """From the unit quaternion `a` so far to `b`, at an even speed: the way of their signs, not the shorter one.
+    """Interpolate from unit quaternion `a` to `b` at constant speed, without flipping signs to the shorter way.
 
     So nothing jumps where the two are half a turn apart.
     """
@@ -214,12 +216,12 @@ def dress(
     parents: Int32,
     head: Float32,
 ) -> None:
-    """Upper bodies of dancers at `position` (A, J, 3) and `rotation` (A, J, 4), world, given their textures.
+    """Blend texture into the upper bodies at `position` (A, J, 3) and `rotation` (A, J, 4), world, in place.
 
-    `danced` (A,): the beat each dancer is at; `level` (A,): 0 as danced, 1 all texture. What she has, and what she had
-    before, is read at `origin` + PER_BEAT * danced (2, A), within `limits` (2, A, 2); from `switched` (A,), a beat, on
-    the one comes in for the other within `blend` beats; joints whose bit is set in `signs` (2, A) are read
-    with the opposite sign. `head` (A,): how far heads turn to the public, who keep that.
+    `danced` (A,) is each dancer's beat. `level` (A,) is the weight of texture, 0 to 1. The current and the previous
+    fragment are read at `origin` + PER_BEAT * danced (2, A), within `limits` (2, A, 2). They are cross-faded for
+    `blend` beats from the beat `switched` (A,). Joints whose bit is set in `signs` (2, A) are read with the opposite
+    sign. `head` (A,) is the share of the head's turn to the audience, 0 to 1, which texture leaves unchanged.
     """
     first = 1
     was = np.empty((UPPER_COUNT + 1, 4), np.float32)

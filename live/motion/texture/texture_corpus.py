@@ -1,4 +1,4 @@
-"""Material: motion capture cut up so that sketches can be textured with it, one or many."""
+"""Motion capture cut into fragments, from which one or many sketches are textured."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -25,23 +25,23 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 SHORTEST_S: Final = 1.0
-"""Clips shorter than this [s] hold no movement that could be found again."""
+"""Clips shorter than this [s] are too short to match."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Driving:
-    """What is matched: the features of all data, and its fragments."""
+    """Features of all data for matching, and its fragments."""
 
     features: Float64
-    """The driving angles' band, and their derivatives, weighted, (S, 2 D)."""
+    """One band of the driving angles, then their weighted derivatives, (S, 2 D)."""
     parts: Fragments
     weight: float
-    """What derivatives were multiplied with [samples]."""
+    """Weight of the derivatives [samples]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
-    """Clips of motion capture as tracks in common charts, one after the other."""
+    """Clips of motion capture as concatenated tracks in common charts."""
 
     clips: tuple[Clip, ...]
     charts: tuple[Chart, ...]
@@ -52,7 +52,7 @@ class Material:
     _driving: dict[tuple[object, ...], Driving] = field(default_factory=dict)
 
     def driving(self, drive: tuple[int, ...], band: int, cut: int, derivative: float) -> Driving:
-        """The data's driving angles in one band, cut where the column `cut` turns; kept for the next sketch."""
+        """Return the data's driving angles in one band, cut at turning points of column `cut`. Cached."""
         key = (drive, band, cut, derivative)
         if key not in self._driving:
             columns = columns_of(drive)
@@ -68,9 +68,9 @@ class Material:
 
 
 def material_of(clips: Sequence[Clip], also: Sequence[Sampled] = ()) -> Material:
-    """What `clips` hold, in charts that hold the sketches `also` as well.
+    """Return the tracks of `clips`, in charts that also cover the sketches `also`.
 
-    Raises PersonError that names a clip that is too short, or if there is none.
+    Raises PersonError if there are no clips or one is too short.
     """
     if not clips:
         raise PersonError("there is no motion capture to take texture from", "give recordings: --with DIR_OR_FILES")
@@ -87,7 +87,7 @@ def material_of(clips: Sequence[Clip], also: Sequence[Sampled] = ()) -> Material
 
 
 def cutting_column(sketch: Float64, wish: Wish) -> int:
-    """The column whose turning points cut: as wished, else the driving one that moves most in its band."""
+    """Return the column at whose turning points curves are cut: `wish.cut`, else the driving one that moves most."""
     columns = columns_of(wish.drive)
     if wish.cut is not None:
         return wish.cut

@@ -1,5 +1,4 @@
-"""What is reported of a texturing: what was taken from where, how it joins, how feet slide, how much there is in each
-band."""
+"""Report of a texturing: source of each fragment, joins, foot slide, and level of each band."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,7 +21,7 @@ SHOWN_BANDS = 7
 
 
 def figures_of(sketch: Clip, material: Material, wish: Wish, found: Sequence[Textured]) -> dict[str, Any]:
-    """All that a report says of the paths `found`, at least one, ready for JSON."""
+    """Return the report of the paths `found`, at least one, as JSON values."""
     names = SKELETON.names
     joints = [*wish.synthesize, *(one for one in wish.texture if one)]
     cut, parts = found[0].cut, found[0].data
@@ -83,14 +82,14 @@ def _path(one: Textured, material: Material, joints: list[int]) -> dict[str, Any
 
 
 def slide_of(clip: Clip) -> float | None:
-    """Mean speed over the floor of feet in contact [m/s]; None if none ever is."""
+    """Return the mean speed over the floor of feet in contact [m/s], None without contacts."""
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
     found = slides(position, clip.contact, clip.sample_rate)
     return round(float(found.mean()), 4) if len(found) else None
 
 
 def band_levels(clip: Clip, material: Material, joints: Sequence[int]) -> list[float]:
-    """Root mean square of bands 1 to 7 of the angles of `joints` [degrees]."""
+    """Return the root mean square of bands 1 to 7 of the angles of `joints` [degrees]."""
     count = min(SHOWN_BANDS, MOST_BANDS)
     tracks = tracks_of(sample_clip(clip), material.charts)[:, columns_of(joints)]
     levels = np.sqrt((split_bands(tracks, count)[:count] ** 2).mean(axis=(1, 2)))

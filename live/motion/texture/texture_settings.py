@@ -1,4 +1,4 @@
-"""Wish: what is to be textured, what made anew, what drives it, and how fragments are chosen (P001)."""
+"""Settings of motion texturing and parsers of their option texts (P001)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,48 +35,48 @@ WORDS: Final[dict[str, tuple[int, ...]]] = {
     "arms": _with("Shoulder", "UpperArm", "LowerArm", "Hand"),
     "none": (),
 }
-"""Words for several joints. `hips` and `knees` are the joints at whose end the leg bends: upper and lower legs."""
+"""Names of joint groups. `hips` and `knees` are the upper and lower legs."""
 
 
 LATEST: Final = 36_000.0
-"""No sketch is so long [s]."""
+"""Upper limit of times in a sketch [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is asked of the method; the defaults are the paper's."""
+    """Parameters of the method. The defaults are the paper's."""
 
     drive: tuple[int, ...] = (*WORDS["hips"], *WORDS["knees"])
     """Joints whose angles are matched."""
     changes: tuple[tuple[float, tuple[int, ...]], ...] = ()
-    """From so many seconds on only these of them are matched, in order (P019); before the first: `first`."""
+    """From each time [s] on only these of `drive` are matched, in order (P019). Before the first time: `first`."""
     first: tuple[int, ...] = ()
-    """Those that are matched before `changes`; empty: all of `drive`."""
+    """Joints matched before the first of `changes`; empty: all of `drive`."""
     synthesize: tuple[int, ...] = UPPER
-    """Joints made of the data alone, in the lowest band and all between."""
+    """Joints synthesized from the data alone, in the first of `bands` and all lower ones."""
     texture: tuple[int, ...] = LOWER
-    """Joints of the sketch that get bands of the data in place of their own."""
+    """Joints of the sketch whose bands are replaced by those of the data."""
     bands: tuple[int, int] = (2, 3)
-    """First and last band of texture; what is synthesised has the first and all below it. Band 1 is the highest."""
+    """First and last band of texture. Synthesized joints get the first and all lower bands. Band 1 is the highest."""
     match_band: int = 4
     """Band of the driving angles that is matched and cut: the 4th for walking, the 6th for modern dance."""
     cut: int | None = None
-    """Column (3 joint + axis) whose turning points cut; None: the driving one that moves most in the sketch."""
+    """Column (3 joint + axis) at whose turning points curves are cut; None: the driving one that moves most."""
     keep: float = SHARE
-    """K: candidates for each fragment, as a share of all fragments below 1, else their number."""
+    """K: candidates for each fragment; below 1 a share of all fragments, else their number."""
     paths: int = 1
-    """P: how many paths are made."""
+    """P: number of paths."""
     apart: bool = False
-    """Whether no path takes at any place what an earlier one took there: dancers who differ, not the P best."""
+    """Whether paths must differ in every fragment, for different dancers, instead of being the P best."""
     weigh: float = 0.0
-    """0: paths as published, the fewest joins whatever they match; else what a join costs, in median distances of the
-    closest matches, 1 to 4 are useful."""
+    """0: paths as published, with the fewest joins at any distance. Otherwise the cost of a join in median distances of
+    the closest matches; 1 to 4 are useful."""
     scale: bool = False
-    """Whether fragments are scaled as their driving angles ask for (P010)."""
+    """Whether fragments are scaled to fit the driving angles (P010)."""
     reach: int = REACH
     """N of the joins [samples at 24 Hz]."""
     derivative: float = 1.0
-    """Weight of derivatives against values in the matching, both brought to the same spread first."""
+    """Weight of derivatives against values in the matching, after both are normalized to the same spread."""
 
     def __post_init__(self) -> None:
         low, high = self.bands
@@ -84,11 +84,12 @@ class Wish:
             1 <= low <= high <= MOST_BANDS, f"bands {low}-{high}", f"two of 1 to {MOST_BANDS}, the higher band first"
         )
         _check(1 <= self.match_band <= MOST_BANDS, f"band {self.match_band}", f"1 to {MOST_BANDS}")
-        _check(bool(self.drive), "no joint drives", "hips,knees")
+        _check(bool(self.drive), "no driving joint is given", "hips,knees")
         times = [time for time, _ in self.changes]
         _check(
             all(time > 0.0 for time in times[:1]) and times == sorted(set(times)) and all(s for _, s in self.changes),
-            "what drives does not change in order", '"hips,knees @2.5 leftUpperLeg,leftLowerLeg @4 hips"'
+            "changes of driving joints need ascending times above 0 s and joints",
+            '"hips,knees @2.5 leftUpperLeg,leftLowerLeg @4 hips"'
         )  # fmt: skip
         _check(0.0 < self.keep <= 10_000.0, f"K = {self.keep:g}", "a share below 1 or a number of fragments")
         _check(1 <= self.paths <= 64, f"{self.paths} paths", "1 to 64")
@@ -98,20 +99,22 @@ class Wish:
         both = set(self.synthesize) & set(self.texture)
         _check(not both, f"{_told(both)} cannot be textured and synthesised", "name each joint once")
         legs = set(self.synthesize) & set(LOWER)
-        _check(not legs, f"{_told(legs)} cannot be synthesised, for feet would not stand", "texture them")
-        _check(bool(self.synthesize or self.texture), "nothing is textured and nothing synthesised", "upper or lower")
+        _check(not legs, f"{_told(legs)} cannot be synthesised, because feet would slide", "texture them")
+        _check(bool(self.synthesize or self.texture), "no joint is textured or synthesised", "upper or lower")
         driven = set(self.drive) & set(self.synthesize)
-        _check(not driven, f"{_told(driven)} cannot drive and be synthesised", "let joints drive that the sketch moves")
+        _check(
+            not driven, f"{_told(driven)} cannot drive and be synthesised", "drive with joints that the sketch moves"
+        )
 
     def drives_at(self, seconds: float) -> tuple[int, ...]:
-        """The joints that are matched at that time of the sketch."""
+        """Return the joints that are matched at that time of the sketch."""
         found = self.first or self.drive
         for time, joints in self.changes:
             found = joints if seconds >= time else found
         return found
 
     def candidates(self, fragments: int) -> int:
-        """K for that many fragments of the data."""
+        """Return K for that many fragments of the data."""
         return max(1, round(self.keep * fragments if self.keep < 1.0 else self.keep))
 
 
@@ -125,7 +128,7 @@ def _told(joints: set[int]) -> str:
 
 
 def parse_joints(text: str, option: str) -> tuple[int, ...]:
-    """The joints of words like "hips,knees" or "upper,leftFoot", in order; PersonError for a word that is none."""
+    """Return the joints of words like "hips,knees" or "upper,leftFoot", in order; PersonError for an unknown word."""
     by_name: dict[str, tuple[int, ...]] = {
         name.casefold(): (index,) for index, name in enumerate(_NAMES) if name != "hips"
     }
@@ -144,7 +147,7 @@ Changes = tuple[tuple[float, tuple[int, ...]], ...]
 
 
 def parse_drive(text: str, option: str) -> tuple[tuple[int, ...], Changes]:
-    """ "hips @2.5 leftUpperLeg,leftLowerLeg @4 hips": joints at first, and those from a time [s] on (P019)."""
+    """Parse "hips @2.5 leftUpperLeg,leftLowerLeg @4 hips": initial joints, and those from each time [s] on (P019)."""
     first, *later = text.split("@")
     found = []
     for part in later:
@@ -162,7 +165,7 @@ def parse_drive(text: str, option: str) -> tuple[tuple[int, ...], Changes]:
 
 
 def parse_bands(text: str, option: str) -> tuple[int, int]:
-    """ "2-6" or "3"; PersonError for what is no band."""
+    """Parse "2-6" or "3"; PersonError for anything else."""
     parts = text.strip().split("-")
     if len(parts) in (1, 2) and all(part.strip().isdecimal() for part in parts):
         low, high = int(parts[0]), int(parts[-1])
@@ -172,7 +175,7 @@ def parse_bands(text: str, option: str) -> tuple[int, int]:
 
 
 def column_of(text: str, option: str, drive: Sequence[int]) -> int | None:
-    """ "leftUpperLeg.x" as a column among those that drive, None for "auto"; PersonError otherwise."""
+    """Parse "leftUpperLeg.x" as a column of a driving joint, or "auto" as None; PersonError otherwise."""
     if text.strip().casefold() == "auto":
         return None
     joint, _, axis = text.strip().rpartition(".")

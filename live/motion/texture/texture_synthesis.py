@@ -1,4 +1,4 @@
-"""The whole method: a sketch, textured and completed from motion capture (P001-P004, P018-P022)."""
+"""Texturing and completion of a sketch from motion capture (P001-P004, P018-P022)."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -33,32 +33,32 @@ Int64 = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Textured:
-    """A sketch with what one path through the data gave it."""
+    """A sketch textured along one path through the data."""
 
     clip: Clip
     parts: Fragments
     """The sketch's fragments, in samples at 24 Hz."""
     data: Fragments
-    """The data's, in samples of all of it."""
+    """The data's fragments, in samples of the concatenated data."""
     cut: int
-    """The column that cut both."""
+    """The column at whose turning points both were cut."""
     sources: Int64
-    """The fragment of the data each was made of, (n,)."""
+    """Index of the data fragment used for each, (n,)."""
     free: int
-    """Joins that were none in the data either."""
+    """Number of joins of fragments that are consecutive in the data."""
     distance: float
-    """Root mean square of what differed in the matching [rad]."""
+    """Root mean square difference in the matching [rad]."""
     scales: Float64
     """Scale of each fragment (P010), (n,)."""
     jump: float
-    """Largest jump at a join before joining, of any angle made [rad]."""
+    """Largest jump of a generated angle at a join, before joining [rad]."""
     kinks: tuple[float, float]
-    """Largest change of velocity from a sample to the next at a join, before and after smoothing [rad/s]."""
+    """Largest change of velocity between samples at a join, before and after smoothing [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sketched:
-    """A sketch ready to be matched."""
+    """A sketch with its fragments and their candidates."""
 
     sampled: Sampled
     tracks: Float64
@@ -69,7 +69,7 @@ class Sketched:
 
 
 def prepare(sketch: Clip, material: Material, wish: Wish) -> Sketched:
-    """The sketch's fragments and their candidates in the data; PersonError where nothing can be matched."""
+    """Return the sketch's fragments and their candidates in the data; PersonError where nothing can be matched."""
     sampled = sample_clip(sketch)
     tracks = tracks_of(sampled, material.charts)
     cut = cutting_column(tracks, wish)
@@ -83,13 +83,13 @@ def prepare(sketch: Clip, material: Material, wish: Wish) -> Sketched:
         matches = _matched(features, parts, driving, columns, keep, wish)
     except ValueError as error:
         raise PersonError(
-            str(error), f"a lower band is cut in longer fragments: --match {wish.match_band + 1}"
+            str(error), f"match a lower band, which has longer fragments: --match {wish.match_band + 1}"
         ) from None
     return Sketched(sampled, tracks, cut, parts, driving, matches)
 
 
 def _matched(features: Float64, parts: Fragments, driving: Driving, columns: Int64, keep: int, wish: Wish) -> Matches:
-    """The candidates of each fragment, by what drives at its middle (P019)."""
+    """Return the candidates of each fragment, by the joints that drive at its middle (P019)."""
     if not wish.changes:
         return match(features, parts, driving.features, driving.parts, keep, scale=wish.scale)
     middle = 0.5 * (parts.begin + parts.end) / RATE
@@ -108,21 +108,21 @@ def _matched(features: Float64, parts: Fragments, driving: Driving, columns: Int
 
 
 def textured(sketch: Clip, material: Material, wish: Wish) -> list[Textured]:
-    """The sketch with texture and the joints it lacked, once for each path, the best first.
+    """Return the sketch with texture and synthesized joints, once for each path, the best first.
 
-    There may be fewer than asked for. The clips have the sketch's own rate, length and contacts. Raises PersonError
-    for a sketch of less than half a second and where nothing of the data can be matched.
+    There may be fewer paths than requested. The clips have the sketch's rate, length and contacts. Raises PersonError
+    for a sketch shorter than half a second and where no data can be matched.
     """
     if sketch.seconds < 0.5:
         raise PersonError(
-            f"{sketch.name}: {sketch.seconds:.2f} s are too short to be matched", "half a second at least"
+            f"{sketch.name}: {sketch.seconds:.2f} s are too short to match", "give at least half a second"
         )
     sketched = prepare(sketch, material, wish)
     return [_made(sketched, material, wish, *one) for one in paths_of(sketched, wish)]
 
 
 def paths_of(sketched: Sketched, wish: Wish) -> list[tuple[Path, Int64, Float64]]:
-    """For each path the path, its fragments of the data and their scales."""
+    """Return the paths, each with its fragments of the data and their scales."""
     parts, matches = sketched.driving.parts, sketched.matches
     choices = [one.tolist() for one in matches.candidates]
     far = [one.tolist() for one in matches.distances]
@@ -177,7 +177,7 @@ def _made(sketched: Sketched, material: Material, wish: Wish, path: Path, taken:
 
 
 def _pieces(tracks: Float64, data: Fragments, taken: Int64, parts: Fragments, scales: Float64) -> list[Float64]:
-    """The fragments of the data, resampled to the lengths of the sketch's, scaled."""
+    """Return the fragments of the data, resampled to the lengths of the sketch's and scaled."""
     pieces = []
     for begin, end, length, scale in zip(
         data.begin[taken], data.end[taken], parts.length.tolist(), scales.tolist(), strict=True
@@ -190,18 +190,18 @@ def _pieces(tracks: Float64, data: Fragments, taken: Int64, parts: Fragments, sc
 
 
 def _same_turn(pieces: list[Float64], columns: Int64) -> None:
-    """Move angles in `columns` by full turns, so that each piece begins as near as may be to the end of the last."""
+    """Shift angles in `columns` by full turns, so that each piece begins as near as possible to the end of the last."""
     for before, piece in pairwise(pieces):
         piece[:, columns] += 2.0 * np.pi * np.round((before[-1, columns] - piece[0, columns]) / (2.0 * np.pi))
 
 
 def _kink(curve: Float64, joins: Int64) -> float:
-    """Largest change of velocity at `joins` [rad/s]."""
+    """Return the largest change of velocity at `joins` [rad/s]."""
     return float(np.abs(curve[joins + 1] - 2.0 * curve[joins] + curve[joins - 1]).max(initial=0.0) * RATE)
 
 
 def _applied(sketched: Sketched, material: Material, wish: Wish, joined: Float64) -> Clip:
-    """The sketch with the bands of `joined` (T, C) that it shall have."""
+    """Return the sketch with the selected bands of `joined` (T, C) applied."""
     sketch, (low, high) = sketched.sampled.clip, wish.bands
     made = 3 * len(wish.synthesize)
     bands = split_bands(joined, high)
@@ -226,7 +226,7 @@ def _applied(sketched: Sketched, material: Material, wish: Wish, joined: Float64
 
 
 def _at_rate(tracks: Float64, sketch: Clip) -> Float64:
-    """Tracks (T, C) at 24 Hz at the samples of the sketch: a cubic spline, for band 1 is not in them."""
+    """Resample tracks (T, C) from 24 Hz to the sketch's samples, by a cubic spline, because they lack band 1."""
     if not tracks.shape[1]:
         return np.zeros((sketch.sample_count, 0))
     at = np.arange(sketch.sample_count) / sketch.sample_rate

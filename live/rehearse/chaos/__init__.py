@@ -1,4 +1,4 @@
-"""Chaos breaks the program itself: exceptions in ticks, kills, full disks, and counts what happens.
+"""Chaos tests: faults in the program itself (exceptions in ticks, killed processes, full disks) and checks of recovery.
 
 It may import what `rehearse` may.
 """

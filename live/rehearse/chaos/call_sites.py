@@ -1,8 +1,8 @@
-"""Call sites of a show's tick, found by looking at shows that run, and exceptions raised at them.
+"""Tracer for the call sites of a show's tick, and injector of exceptions at them.
 
-A site is a place from which the tick, or one of the show's own methods below it, calls something. The exception comes
-as the callee begins, so that nothing of it is done: an error of the program at that place looks like this. All of
-it happens by a profile function (`sys.setprofile`) while a tick runs; the program has no hook for it.
+A site is a place from which the tick, or one of the show's methods below it, calls a function. The exception is raised
+at the beginning of the callee, before it has any effect, like an error of the program at that place. Both use a profile
+function (`sys.setprofile`) while a tick runs; the program has no hook for them.
 """
 
 import sys
@@ -14,39 +14,40 @@ from types import CodeType, FrameType, FunctionType
 from typing import Any, Final
 
 from live.rehearse.failure import OURS
+from live.show import circuit_breakers
 from live.show.show import Show
 
-MECHANISM: Final = "show/breakers.py"
-"""Callees of this file are what a failing stage is put out of service by."""
+MECHANISM: Final = Path(circuit_breakers.__file__).relative_to(OURS).as_posix()
+"""Callees in this file are the circuit breakers."""
 
 Tick = Callable[[Show, float], bool]
 
 
 class Injected(RuntimeError):
-    """An exception that was raised on purpose."""
+    """An injected exception."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Site:
-    """A place in the program that calls something, by what stays when the file around it is edited a little."""
+    """A place in the program that calls a function."""
 
     caller: str
-    """File and function, as "show/core.py, Show._move"."""
+    """File and function, as "show/show.py, Show.tick"."""
     line: int
     callee: str
-    """File and function of ours, or the name of what is not ours."""
+    """File and function in the program, or the qualified name of an external function."""
 
     def __str__(self) -> str:
         return f"{self.caller}, line {self.line} -> {self.callee}"
 
     @property
     def of_the_mechanism(self) -> bool:
-        """Whether it asks the breakers: what is broken for ever there cannot be put out of service."""
+        """Whether the callee is a circuit breaker: a permanent failure there cannot be isolated."""
         return self.callee.startswith(MECHANISM)
 
 
 def _own_codes() -> set[CodeType]:
-    """The code of every method of a show itself, however many classes it is made of."""
+    """Return the code of all methods of `Show` and its base classes."""
     found = (value for kind in Show.__mro__ if kind is not object for value in vars(kind).values())
     return {value.__code__ for value in found if isinstance(value, FunctionType)}
 
@@ -58,18 +59,18 @@ def _name(code: CodeType) -> str:
 
 
 class Looker:
-    """Notes all sites that ticks pass. Thread: the one that runs the show."""
+    """Records all call sites that ticks pass. Thread: the one that runs the show."""
 
     def __init__(self, *, deep: bool = False) -> None:
-        """`deep`: the calls that the callees make, too."""
+        """`deep`: also record the calls of the callees."""
         self._callers = _own_codes()
         self._deep = deep
         self.sites: dict[Site, int] = {}
-        """All that were found, with how often they were passed."""
+        """The found sites, with the number of calls."""
         self._names: dict[CodeType, str] = {}
 
     def run(self, tick: Tick, show: Show, time: float) -> bool:
-        """Run a tick, and look."""
+        """Run a tick and record its call sites."""
         sys.setprofile(self._look)
         try:
             return tick(show, time)
@@ -101,27 +102,27 @@ class Looker:
 
 
 class Injector:
-    """Raises an exception at a site, so many times, in ticks from a time of the show on. Thread: the show's."""
+    """Raises an exception at a site, a number of times, from a show time on. Thread: the show's."""
 
     def __init__(self) -> None:
         self.site: Site | None = None
         self.left = 0
-        """So often it is still to be raised."""
+        """Remaining number of exceptions."""
         self.since = 0.0
-        """In ticks from that time of the show on [s]."""
+        """Show time from which on they are raised [s]."""
         self.raised = 0
-        """How often it was, since it was armed."""
+        """Number of exceptions since it was armed."""
 
     def arm(self, site: Site, times: int, since: float) -> None:
-        """From now on."""
+        """Start raising at `site`."""
         self.site, self.left, self.since, self.raised = site, times, since, 0
 
     def disarm(self) -> None:
-        """No more."""
+        """Stop raising."""
         self.site, self.left = None, 0
 
     def run(self, tick: Tick, show: Show, time: float) -> bool:
-        """Run a tick, with the exception if it is time for it."""
+        """Run a tick, with the exception if it is due."""
         if self.site is None or self.left <= 0 or time < self.since:
             return tick(show, time)
         sys.setprofile(self._raise)
@@ -149,12 +150,12 @@ class Injector:
             raise Injected(f"injected at {site}")
 
     def note(self) -> None:
-        """It is raised now."""
+        """Called before the exception is raised; for subclasses."""
 
 
 @contextmanager
 def instead_of_tick(run: Callable[[Tick, Show, float], bool]) -> Iterator[None]:
-    """Every tick of every show goes through `run` meanwhile."""
+    """Replace `Show.tick` of all shows by `run`, within the context."""
     was: Tick = Show.tick
 
     def tick(show: Show, time: float) -> bool:
@@ -168,5 +169,5 @@ def instead_of_tick(run: Callable[[Tick, Show, float], bool]) -> Iterator[None]:
 
 
 def replace_method(owner: type, name: str, made: Callable[..., Any]) -> None:
-    """Another method in the place of one, for this process."""
+    """Replace a method of a class, in this process."""
     setattr(owner, name, made)

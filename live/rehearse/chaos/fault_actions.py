@@ -1,4 +1,4 @@
-"""What a chaos run does to a show: each kind of fault, done from outside to processes, disks and sockets."""
+"""Actions of a chaos run: executes each kind of fault from outside, on processes, disks and sockets."""
 
 import contextlib
 import errno
@@ -25,14 +25,14 @@ from live.rehearse.chaos.small_disk import SmallDisk
 
 ALWAYS: Final = 1 << 30
 TWICE_WITHIN: Final = 3.0
-"""Seconds that two kills, one after another, may take themselves."""
+"""Time allowed for two kills in sequence [s]."""
 NO_DESCRIPTORS: Final = 2.0
-"""Seconds in which a process can open nothing; where no spare is ready, none can be started for so long."""
+"""Time in which a process cannot open files [s]; if no spare engine is ready, none can be started in this time."""
 
 
 @dataclass(slots=True)
 class Acts:
-    """One show, and what can be done to it. Thread: one."""
+    """Actions on one show. Thread: one."""
 
     page: FaultPage
     tree: Tree
@@ -41,18 +41,18 @@ class Acts:
     seed: int
     sites: list[Site]
     ports: dict[str, int]
-    """Where it listens on this machine, by what for."""
+    """Its ports on this machine, by purpose."""
     gone: Callable[[], bool]
-    """Whether the show has ended."""
+    """Returns whether the show has ended."""
     start_again: Callable[[], None]
-    """Starts the same command again, as a person or a service would."""
+    """Starts the same command again, as a person or a service manager would."""
 
     def do(self, blow: Blow) -> str:
-        """Let a fault happen; to what, in words (nothing: there was none of that kind)."""
+        """Execute a fault; return a description of its target (empty: there was none)."""
         return ACTS[blow.kind](self, blow)
 
     def wait(self, until: Callable[[], bool], seconds: float) -> bool:
-        """Wait for something; False if it does not come."""
+        """Wait for a condition; False after a time-out or when the show has ended."""
         deadline = time.monotonic() + seconds
         while not until():
             if time.monotonic() > deadline or self.gone():
@@ -67,7 +67,7 @@ class Acts:
         page[Word.RAISED], page[Word.LEFT] = 0, times
         page[Word.SINCE] = page[Word.TICK] + 8
         page[Word.SITE] = 1 + blow.which % len(self.sites)
-        deadline = time.monotonic() + 6.0  # some are passed only at a measure line, or never again
+        deadline = time.monotonic() + 6.0  # some sites are reached only at a measure line, or never again
         while not page[Word.RAISED] and time.monotonic() < deadline and not self.gone():
             time.sleep(0.01)
         return str(site) if page[Word.RAISED] else ""
@@ -149,7 +149,7 @@ class Acts:
         time.sleep(1.0 + 2.0 * blow.size)
         page[Word.DISK] = 0
         self.disk.free()
-        return "a small file system, really" if really else "every write is refused"
+        return "a small file system, really full" if really else "every write is refused"
 
     def _lock_disk(self, blow: Blow) -> str:
         page = self.page
@@ -174,7 +174,7 @@ class Acts:
         return f"by {milliseconds / 1e3:.0f} s and back"
 
     def _cut(self, port: int, blow: Blow) -> str:
-        """Connections that begin to ask, and are reset or left half open."""
+        """Open connections that send part of a request, then reset them or leave them half open."""
         chance, done = np.random.default_rng([self.seed, blow.which]), 0
         left = []
         for number in range(40):
@@ -195,7 +195,7 @@ class Acts:
         return f"{done} connections"
 
     def _cut_osc(self, blow: Blow) -> str:
-        """Packets that are none, from ports that are closed at once: every answer is refused by the system."""
+        """Send valid and invalid packets from ports that are closed at once, so that replies are refused."""
         chance = np.random.default_rng([self.seed, blow.which])
         for _ in range(60):
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one, contextlib.suppress(OSError):
@@ -212,7 +212,7 @@ class Acts:
 
 
 def stall_of(blow: Blow) -> float:
-    """How long the dance may stand for what is done itself [s]."""
+    """Return the expected pause of ticks caused by the fault itself [s]."""
     return STALLS[blow.kind](blow.size) if blow.kind in STALLS else 0.0
 
 
@@ -221,7 +221,7 @@ STALLS: Final[dict[str, Callable[[float], float]]] = {
     "stop all in bursts": lambda size: 2.0, "starve": lambda size: 4.0, "kill engine twice": lambda size: TWICE_WITHIN,
     "no descriptors in the supervisor": lambda size: NO_DESCRIPTORS,
 }  # fmt: skip
-"""How long the dance may stand for what is done itself [s], by the fault's size."""
+"""Expected pause of ticks caused by the fault itself [s], as a function of the fault's size."""
 
 ACTS: Final[dict[str, Callable[[Acts, Blow], str]]] = {
     "exception once": lambda acts, blow: acts._raise(blow, 1),
@@ -252,4 +252,4 @@ ACTS: Final[dict[str, Callable[[Acts, Blow], str]]] = {
     "cut OSC": Acts._cut_osc,
     "cut the engine's wire": Acts._cut_wire,
 }
-"""What each kind of fault does; what it was done to, in words (nothing: there was none of that kind)."""
+"""Handlers by kind of fault; each returns a description of its target (empty: there was none)."""

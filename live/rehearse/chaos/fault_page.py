@@ -1,8 +1,7 @@
-"""FaultPage: a page of shared memory in which a chaos run says what is to fail, and processes say how they fare.
+"""Shared memory page of a chaos run: the run requests faults in it, and processes report their progress.
 
-It is a file, so that it outlives every process: how often a fault was raised is counted over all of them. Words are
-written whole by one writer each; two processes that raise in the same moment may raise once too often, which does no
-harm.
+It is a file, so it outlives every process, and raised faults are counted over all of them. Each word is written
+atomically by one writer. Two processes that raise at the same moment may raise once too often, which is harmless.
 """
 
 import mmap
@@ -17,52 +16,52 @@ _WORD: Final = struct.Struct("=q")
 
 
 class Word(IntEnum):
-    """What is in the page, each a signed number of 64 bits."""
+    """Index of a word in the page; each word is a signed number of 64 bits."""
 
     SITE = 0
-    """Which call site of the tick fails, from 1; 0: none ..."""
+    """Number of the call site of the tick that fails, from 1; 0: none."""
     LEFT = 1
-    """... how often it is still to ..."""
+    """Remaining number of exceptions at the site."""
     SINCE = 2
-    """... from which tick on ..."""
+    """First tick at which the site fails."""
     RAISED = 3
-    """... and how often it has."""
+    """Number of exceptions raised at the site."""
     THREAD = 4
-    """An order to raise in a thread: its number is counted up, ..."""
+    """Number of the last request to raise an exception in a thread; incremented for each request."""
     THREAD_WHICH = 5
-    """... which of the process' threads ..."""
+    """Selects the thread of the process."""
     THREAD_DONE = 6
-    """... and the last order that was carried out."""
+    """Number of the last completed request."""
     CALLS = 7
-    """So many calls of parts beside the show are still to fail ..."""
+    """Remaining number of calls of services outside the show that fail."""
     CALLS_WHICH = 8
-    """... of those that are called one after the other in a frame, this one."""
+    """Selects the call in a frame."""
     CALLS_RAISED = 9
     DISK = 10
-    """The error number with which every write of the journal ends; 0: none."""
+    """Error number raised by every write of the journal; 0: none."""
     CLOCK = 11
-    """Milliseconds by which the system's clock is wrong."""
+    """Error of the system clock [ms]."""
     CUT = 12
-    """The process whose wire to its supervisor is to be cut."""
+    """Process whose channel to its supervisor is to be cut."""
     FRAMES = 13
-    """Rounds of ticks that were run by engines that dance, ..."""
+    """Number of frames in which an active engine ran ticks."""
     LAST = 14
-    """... when the last one was [ns, monotonic], ..."""
+    """Time of the last such frame [ns, monotonic]."""
     TICK = 15
-    """... the tick at which it ended, ..."""
+    """Last tick."""
     GAP = 16
-    """... and the longest time between two since this was set to 0 [ns]."""
+    """Longest interval between two such frames since this word was set to 0 [ns]."""
     PID = 17
-    """The process that danced last."""
+    """Process that ran the last tick."""
     BACK = 18
-    """How often a tick was run again that was over: the dance went back."""
+    """Number of ticks that were run again after they were over."""
 
 
 class FaultPage:
-    """The page. Thread: any."""
+    """The memory-mapped page. Thread: any."""
 
     def __init__(self, path: Path, *, make: bool = False) -> None:
-        """OSError if it cannot be made, or is not there."""
+        """Raises OSError if it cannot be created, or does not exist."""
         flags = os.O_RDWR | (os.O_CREAT | os.O_TRUNC if make else 0)
         descriptor = os.open(path, flags, 0o600)
         try:
@@ -80,6 +79,6 @@ class FaultPage:
         self._words[word] = value
 
     def close(self) -> None:
-        """Give it back."""
+        """Unmap the page."""
         self._words.release()
         self._page.close()

@@ -1,4 +1,4 @@
-"""What goes wrong in a chaos run of real processes, and when: seeded, every kind once before any comes again."""
+"""Seeded schedule of faults for a chaos run of real processes; every kind comes once before any is repeated."""
 
 from collections.abc import Iterator
 from typing import Final, NamedTuple
@@ -18,16 +18,16 @@ KINDS: Final = {
     "clock steps": 4.0,
     "cut web": 3.0, "cut audience": 3.0, "cut OSC": 3.0, "cut the engine's wire": 10.0,
 }  # fmt: skip
-"""Kinds of faults, and for how long [s] each is given: for itself, and until all is as before."""
+"""Kinds of faults, and the time [s] for each: the fault itself and the recovery."""
 ENDS_ENGINE: Final = (
     "exception once", "exception three times", "exception always", "kill engine", "kill engine twice", "stop engine",
     "cut the engine's wire",
 )  # fmt: skip
-"""Kinds after which another engine goes on, and is counted."""
+"""Kinds after which another engine takes over; these restarts are counted."""
 LEAST: Final = {"kill engine twice": 2, "stop engine": 0}
-"""So many engines end at least; one that was stopped may go on by itself, if the watchdog waits for a busy machine."""
+"""Minimum number of ended engines. A stopped engine may resume if the watchdog is patient with a busy machine."""
 DISK: Final = ("disk full", "disk read-only", "no descriptors in the supervisor")
-"""Kinds in which lines of the journal may be lost."""
+"""Kinds that may lose lines of the journal."""
 
 
 class Blow(NamedTuple):
@@ -37,13 +37,13 @@ class Blow(NamedTuple):
     """When [s since the show was ready]."""
     kind: str
     size: float
-    """How bad it is, 0 to 1."""
+    """Severity, 0 to 1."""
     which: int
-    """Which call site, thread or process, of those that there are."""
+    """Random number that selects the call site, thread or process."""
 
 
 def blows(seed: int, *, until: float, rate: float = 1.0) -> Iterator[Blow]:
-    """Fault after fault until that time [s]; `rate`: so many times as fast as `KINDS` allow."""
+    """Yield faults until `until` [s]; `rate`: factor by which they come faster than the times in `KINDS`."""
     chance = np.random.default_rng([seed, SALT])
     time, names = 1.0, list(KINDS)
     while True:

@@ -1,7 +1,7 @@
-"""What a chaos run changes inside the processes of a show: faults that no signal and no full disk can make.
+"""Fault injection inside the processes of a show, for faults that signals and full disks cannot produce.
 
-Methods of the program are replaced in the process that is to fail, before it begins; the program itself knows nothing
-of it. What fails, and when, is read from the page that the run shares with all of them (`FaultPage`).
+Methods of the program are replaced in the process before it starts; the program itself is unchanged. The faults are
+requested through the shared page (`FaultPage`).
 """
 
 import contextlib
@@ -24,14 +24,14 @@ from live.supervisor.supervisor_link import Lifeline
 PAGE: Final = "page"
 SITES: Final = "sites.json"
 ROLES: Final = "roles"
-"""A folder with a file for each engine's process, which says what it was started as."""
+"""A folder with a file for each engine process, which contains its start role."""
 THREADS: Final = "threads.txt"
-"""Names of threads in which an exception was raised, a line each."""
+"""Names of threads in which an exception was raised, one per line."""
 SPARED: Final = ("MainThread", "Thread-")
 
 
 class PageInjector(Injector):
-    """An `Injector` that is armed by the page. Thread: the one that runs the show."""
+    """An `Injector` that is armed through the page. Thread: the one that runs the show."""
 
     def __init__(self, page: FaultPage, sites: list[Site]) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class PageInjector(Injector):
         self._armed = 0
 
     def look(self) -> None:
-        """What the page says now."""
+        """Read the requested fault from the page."""
         which = self._page[Word.SITE]
         if not 0 < which <= len(self._sites):
             self.site, self.left = None, 0
@@ -48,13 +48,13 @@ class PageInjector(Injector):
         self.since = self._page[Word.SINCE] / 64.0
 
     def note(self) -> None:
-        """Count it where all processes do."""
+        """Count the exception in the page, which all processes share."""
         self._page[Word.LEFT] -= 1
         self._page[Word.RAISED] += 1
 
 
 def install_in_engine(folder: Path) -> None:
-    """In an engine's process, before it begins."""
+    """Install all faults in an engine's process, before it starts."""
     page = FaultPage(folder / PAGE)
     with contextlib.suppress(OSError, ValueError):
         _install_ticks(page, [Site(*row) for row in json.loads((folder / SITES).read_text(encoding="utf-8"))])
@@ -79,7 +79,7 @@ def _install_ticks(page: FaultPage, sites: list[Site]) -> None:
 
 
 def _install_progress(page: FaultPage, folder: Path) -> None:
-    """Engines that dance say when; and threads fail when they are told to."""
+    """Report the progress of the active engine, and raise requested exceptions in threads."""
     from live.show.engine import Engine
 
     was = Engine.run_to
@@ -103,7 +103,7 @@ def _install_progress(page: FaultPage, folder: Path) -> None:
 
 
 def raise_in_thread(which: int, folder: Path) -> str:
-    """Raise an exception in one of this process' threads but the main one; its name, if there is one."""
+    """Raise an exception in one of this process' threads except the main one; return its name, "" if there is none."""
     threads = sorted(
         (one for one in threading.enumerate() if not one.name.startswith(SPARED)), key=lambda one: one.name
     )
@@ -118,7 +118,7 @@ def raise_in_thread(which: int, folder: Path) -> str:
 
 
 def _install_calls(page: FaultPage) -> None:
-    """Callbacks of what is beside the show."""
+    """Raise requested exceptions in calls of services outside the show."""
     was = Bulkhead.call
     turn = [0]
 
@@ -138,7 +138,7 @@ def _install_calls(page: FaultPage) -> None:
 
 
 def _install_lifeline(page: FaultPage, folder: Path) -> None:
-    """Who this process is; and its wire is cut when it is told to."""
+    """Write the role of this process, and cut its channel to the supervisor when requested."""
     brief, frame = Lifeline.brief, Lifeline.frame
 
     def said(lifeline: Lifeline) -> Any:
@@ -159,14 +159,14 @@ def _install_lifeline(page: FaultPage, folder: Path) -> None:
 
 
 def _install_clock(page: FaultPage) -> None:
-    """The system's clock, which people and NTP set, is not the one that a show runs by."""
+    """Falsify the system clock, which people and NTP set; the show must not depend on it."""
     was, was_ns = time.time, time.time_ns
     time.time = lambda: was() + page[Word.CLOCK] / 1e3
     time.time_ns = lambda: was_ns() + page[Word.CLOCK] * 1_000_000
 
 
 def install_disk(folder: Path) -> None:
-    """Every write of a journal ends in the error that the page says."""
+    """Let every write of a journal fail with the error number in the page."""
     page = FaultPage(folder / PAGE)
     add = WholeWrites.add
 

@@ -1,4 +1,4 @@
-"""What a chaos run must find in the journal of a show whose processes failed."""
+"""Checks of the measures in the journal of a show whose processes failed."""
 
 import json
 from dataclasses import dataclass, field
@@ -11,33 +11,33 @@ from live.show.journal.skipped_events import LEFT_OUT
 
 @dataclass(slots=True)
 class Measures:
-    """The measures of a journal."""
+    """Statistics of the measures of a journal."""
 
     begun: int = 0
     twice: list[int] = field(default_factory=list)
-    """Measures that began once more, though nothing was left out."""
+    """Measures that began again."""
     missed: list[int] = field(default_factory=list)
-    """Measures that never began, where no tick was left out and no line is missing."""
+    """Measures that never began, without skipped ticks or missing lines."""
     leapt: list[int] = field(default_factory=list)
-    """Measures that fell into ticks that were left out, and are counted there."""
+    """Measures in skipped ticks."""
     lacking: list[int] = field(default_factory=list)
     """Measures whose lines could not be written."""
     skipped: int = 0
-    """Ticks left out."""
+    """Number of skipped ticks."""
     lost: int = 0
-    """Lines that could not be written, as the journal says itself."""
+    """Number of lines that could not be written, as recorded in the journal."""
     left_out: int = 0
     tripped: list[str] = field(default_factory=list)
-    """Stages put out of service."""
+    """Stages disabled by circuit breakers."""
     ended: bool = False
 
     def facts(self) -> dict[str, Any]:
-        """For a report."""
+        """Return the fields for a report."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
 def measures_of(path: Path) -> Measures:
-    """Read a journal's measure lines; OSError if there is none."""
+    """Read the measure lines of a journal. Raises OSError if it does not exist."""
     found = Measures()
     last: int | None = None
     skipped = gap = 0

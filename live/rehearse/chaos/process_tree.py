@@ -1,4 +1,4 @@
-"""The processes of a show as /proc shows them: who they are, how they fare, which are dead and not cleared away."""
+"""Process tree of a show, read from /proc: roles, states, zombies, open descriptors and CPU pressure."""
 
 import contextlib
 import os
@@ -20,12 +20,12 @@ class Process:
     pid: int
     parent: int
     state: str
-    """As in proc(5): R, S, T (stopped), Z (a zombie) ..."""
+    """As in proc(5): R, S, T (stopped), Z (zombie) ..."""
     command: str
 
 
 def process(pid: int) -> Process | None:
-    """What there is to say of it; None if it is gone."""
+    """Read a process from /proc; None if it does not exist."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         words = (PROC / str(pid) / "stat").read_text(errors="replace").rpartition(")")[2].split()
         command = (PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
@@ -34,20 +34,20 @@ def process(pid: int) -> Process | None:
 
 
 class Tree:
-    """A supervisor and all below it. Thread: one."""
+    """A supervisor and its descendants. Thread: one."""
 
     def __init__(self, supervisor: int, folder: Path) -> None:
-        """`folder`: of the run, where engines say what they are."""
+        """`folder`: of the run, where engines write their roles."""
         self.supervisor, self._folder = supervisor, folder
         self._left: set[int] = set()
 
     def lose(self) -> None:
-        """Kill the supervisor: what it leaves is the next one's."""
+        """Kill the supervisor; its children remain part of the tree."""
         self._left |= {one.pid for one in self.below()}
         os.kill(self.supervisor, signal.SIGKILL)
 
     def below(self) -> list[Process]:
-        """All processes below the supervisor, and what one before it left."""
+        """Return all descendants of the supervisor and the orphans of earlier supervisors."""
         all_of = [found for name in os.listdir(PROC) if name.isdecimal() and (found := process(int(name))) is not None]
         below = [one for one in all_of if one.pid in self._left]
         parents = {self.supervisor, *self._left}
@@ -57,7 +57,7 @@ class Tree:
         return below
 
     def roles(self) -> dict[int, str]:
-        """What each engine that lives was started as, by its process."""
+        """Return the start role of each live engine, by process id."""
         roles = {}
         for one in self.below():
             with contextlib.suppress(OSError):
@@ -66,29 +66,29 @@ class Tree:
         return roles
 
     def sound(self) -> list[int]:
-        """The processes that listen or play."""
+        """Return the ids of the audio processes."""
         return [one.pid for one in self.below() if "live.app.processes.audio_main" in one.command and one.state != "Z"]
 
     def zombies(self) -> set[int]:
-        """Those that are dead, and that nobody has cleared away; what a supervisor left is the system's to clear."""
+        """Return the ids of zombies; without orphans of earlier supervisors, which the system has to reap."""
         return {one.pid for one in self.below() if one.state == "Z" and one.pid not in self._left}
 
     def signal(self, pid: int, number: int) -> bool:
-        """Send a signal; whether there was somebody."""
+        """Send a signal; return whether the process exists."""
         with contextlib.suppress(OSError):
             os.kill(pid, number)
             return True
         return False
 
     def go_on(self) -> None:
-        """Let all that were stopped go on."""
+        """Continue all stopped processes."""
         for one in [*self.below(), process(self.supervisor)]:
             if one is not None and one.state in "Tt":
                 self.signal(one.pid, signal.SIGCONT)
 
 
 def descriptors(pid: int) -> int:
-    """How many descriptors a process has open; 0 if that is not to be known."""
+    """Return the number of open descriptors of a process; 0 if unknown."""
     with contextlib.suppress(OSError):
         return len(os.listdir(PROC / str(pid) / "fd"))
     return 0
@@ -96,7 +96,7 @@ def descriptors(pid: int) -> int:
 
 @contextlib.contextmanager
 def few_descriptors(pid: int) -> Iterator[None]:
-    """Meanwhile a process can open nothing more."""
+    """Prevent a process from opening more descriptors, within the context."""
     was = None
     with contextlib.suppress(OSError, ValueError):
         was = resource.prlimit(pid, resource.RLIMIT_NOFILE)
@@ -110,8 +110,8 @@ def few_descriptors(pid: int) -> Iterator[None]:
 
 
 def pressure() -> float:
-    """Share of the last ten seconds in which somebody waited for a processor, 0 to 1; by the load where the kernel has
-    no pressure-stall information."""
+    """Return the share of the last ten seconds in which a process waited for a CPU, 0 to 1; estimated from the load if
+    the kernel has no pressure-stall information."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         some = (PROC / "pressure" / "cpu").read_text().split("\n")[0]
         return float(some.split("avg10=")[1].split()[0]) / 100.0

@@ -1,7 +1,7 @@
-"""A chaos run: a headless show of real processes that are killed, stopped, starved and cut off, and go on.
+"""Chaos run with real processes: a headless show whose processes are killed, stopped, starved and disconnected.
 
-The show is started as a person would, but that its engines take faults from a page of shared memory
-(`live.cli.chaos_main`). What it does is read from outside: the status, the journal, that page and /proc.
+The show is started like a normal one, except that its engines read faults from a page of shared memory
+(`live.cli.chaos_main`). It is observed from outside: status, journal, that page and /proc.
 """
 
 import contextlib
@@ -36,23 +36,23 @@ from live.rehearse.soak_test import Plan
 from live.show.loader import load_show
 
 READY_WITHIN: Final = 180.0
-"""Seconds in which the show has begun and another engine is ready; kernels may have to be compiled."""
+"""Time limit for the start of the show and its spare engine [s]; kernels may have to be compiled."""
 BACK_WITHIN: Final = 3.0
-"""Seconds without a tick after a fault at most, beyond what the fault itself takes ..."""
+"""Maximum time without a tick after a fault, in addition to the fault's own pause [s]."""
 BUSY_WITHIN: Final = 12.0
-"""... and on a machine on which others want the processors for more than `BUSY` of the time."""
+"""The same on a busy machine, with CPU pressure above `BUSY` [s]."""
 BUSY: Final = 0.4
 NEVER: Final = 120.0
-"""Seconds without a tick after which the show has ended, whatever its processes say."""
+"""Time without a tick after which the show is considered ended [s]."""
 MOST_ENGINES: Final = 6
-"""Engines that one fault may end: more is a loop."""
+"""Maximum number of engines that one fault may end: more is a loop."""
 LEAVES: Final = 30.0
 ADOPTS_WITHIN: Final = 20.0
 OUTPUT: Final = "output.txt"
 
 
 def real_chaos(plan: Plan, folder: Path, tell: Callable[[str], None]) -> dict[str, Any]:
-    """Run it with its files in `folder`; the facts of a report, whatever happens."""
+    """Execute a chaos run with its files in `folder`; always returns a report."""
     run = ChaosRun(plan, folder, tell)
     try:
         run.run()
@@ -66,7 +66,7 @@ def real_chaos(plan: Plan, folder: Path, tell: Callable[[str], None]) -> dict[st
 
 
 class ChaosRun:
-    """One show, and what is done to it. Thread: one, and one that sends as people would."""
+    """One show under faults. Threads: one, and one that sends the players' calls."""
 
     def __init__(self, plan: Plan, folder: Path, tell: Callable[[str], None]) -> None:
         self._plan, self._folder, self._tell = plan, folder, tell
@@ -90,7 +90,7 @@ class ChaosRun:
     # -- the whole of it -----------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Start the show, let everything happen, end it, and look at what it wrote."""
+        """Start the show, execute all faults, end it, and check its files."""
         self._prepare()
         self._start()
         if not self._wait_until_ready():
@@ -161,18 +161,18 @@ class ChaosRun:
                 self._people = threading.Thread(target=self._send, name="people", daemon=True)
                 self._people.start()
                 return True
-            if self._gone() and "the sound did not begin" in self._tail() and "sound" not in self._facts:
-                self._facts["sound"] = "none: its process did not begin in time"
+            if self._gone() and "the audio did not start" in self._tail() and "sound" not in self._facts:
+                self._facts["sound"] = "none: its process did not start in time"
                 self._start("--bpm", "120")
             elif self._gone():
-                self.problem(f"the show did not begin: {self._tail()}")
+                self.problem(f"the show did not start: {self._tail()}")
                 return False
             time.sleep(0.1)
         self.problem(f"the show was not ready within {READY_WITHIN:.0f} s: {self._tail()}")
         return False
 
     def _send(self) -> None:
-        """People outside, as in every soak."""
+        """Send the players' calls, as in a soak test."""
         try:
             loaded = load_show(self._plan.patch)
             words = Words(loaded.patch, loaded.graph.library.steps)
@@ -184,12 +184,12 @@ class ChaosRun:
             )  # fmt: skip
             outlet.close()
         except Exception as error:
-            self.fail(Failure.of(error), "the people of the run end: ")
+            self.fail(Failure.of(error), "the simulated players failed: ")
 
     # -- one fault -----------------------------------------------------------------------------------------------
 
     def _strike(self, blow: Blow) -> bool:
-        """Let a fault happen, and wait until the dance is back; False if the show has ended."""
+        """Execute a fault, and wait until ticks continue; False if the show has ended."""
         page = self._page
         assert page is not None
         restarts = self._restarts()
@@ -208,18 +208,18 @@ class ChaosRun:
         if blow.kind in ENDS_ENGINE and words:
             fact["engines"] = self._count_engines(blow, restarts)
         if blow.kind == "kill supervisor" and not self._is_adopted():
-            self.problem(f"no supervisor took the engine over within {ADOPTS_WITHIN:.0f} s; {self._tail()}")
+            self.problem(f"no supervisor adopted the engine within {ADOPTS_WITHIN:.0f} s; {self._tail()}")
         page[Word.SITE] = page[Word.CALLS] = 0
         if not back:
             self.problem(f"{blow.kind} ({words}): no tick for {NEVER:.0f} s; {self._tail()}")
             return False
         if gap > stall + (BACK_WITHIN if busy < BUSY else BUSY_WITHIN):
-            self.problem(f"{blow.kind} ({words}): {gap:.1f} s without a tick, {stall:.1f} of them meant")
+            self.problem(f"{blow.kind} ({words}): {gap:.1f} s without a tick, {stall:.1f} expected")
         self._look_for_zombies()
         return not self._ended_early()
 
     def _count_engines(self, blow: Blow, before: int) -> int:
-        """How many engines ended of it, as the status says."""
+        """Return how many engines the fault ended, from the status."""
         deadline = time.monotonic() + 4.0
         least = LEAST.get(blow.kind, 1)
         while (count := self._restarts() - before) < least and time.monotonic() < deadline and not self._gone():
@@ -233,7 +233,7 @@ class ChaosRun:
         return count
 
     def _is_adopted(self) -> bool:
-        """Whether the next supervisor takes the engine over, as the status says."""
+        """Wait until the next supervisor has adopted the engine, from the status; False if it does not."""
         deadline = time.monotonic() + ADOPTS_WITHIN
         while time.monotonic() < deadline and not self._gone():
             alive = self._status().get("alive", {})
@@ -243,7 +243,7 @@ class ChaosRun:
         return False
 
     def _wait_until_back(self, since: float) -> bool:
-        """Wait until ticks are run after `since`; False if they are not for `NEVER` seconds."""
+        """Wait until ticks are run after `since`; False after `NEVER` seconds without them."""
         frames, deadline = None, max(since, time.monotonic()) + NEVER
         while time.monotonic() < deadline and not self._gone():
             now = self._word(Word.FRAMES)
@@ -265,10 +265,10 @@ class ChaosRun:
     def _ended_early(self) -> bool:
         if self._gone():
             assert self._process is not None
-            self.problem(f"the show has ended by itself, exit code {self._process.returncode}: {self._tail()}")
+            self.problem(f"the show ended unexpectedly, exit code {self._process.returncode}: {self._tail()}")
             return True
         if time.monotonic_ns() - self._word(Word.LAST) > NEVER * 1e9:
-            self.problem(f"the show stands still: no tick for {NEVER:.0f} s")
+            self.problem(f"the show hangs: no tick for {NEVER:.0f} s")
             return True
         return False
 
@@ -277,7 +277,7 @@ class ChaosRun:
         self._zombies = {pid: self._zombies.get(pid, now) for pid in found}
         old = [pid for pid, since in self._zombies.items() if now - since > 10.0]
         if old:
-            self.problem(f"{len(old)} dead processes have not been cleared away for 10 s")
+            self.problem(f"{len(old)} zombie processes have not been reaped for 10 s")
             self._zombies.clear()
 
     # -- the end -------------------------------------------------------------------------------------------------
@@ -306,10 +306,10 @@ class ChaosRun:
             time.sleep(0.05)
         if still:
             what = ", ".join(sorted({one.command.split(" -m ")[-1][:40] for one in still}))
-            self.problem(f"{len(still)} processes are left when the show has ended: {what}")
+            self.problem(f"{len(still)} processes remain after the end of the show: {what}")
 
     def _judge(self) -> None:
-        """What the show wrote."""
+        """Check the files of the show."""
         self._disk.keep(self._folder)
         journal = self._folder / "journal.jsonl"
         try:
@@ -323,13 +323,13 @@ class ChaosRun:
         if measures.missed:
             self.problem(f"measures missed: {_some(measures.missed)}")
         if measures.lost and not self._lines_may_lack:
-            self.problem(f"{measures.lost} lines of the journal are missing, and the disk was well")
+            self.problem(f"{measures.lost} lines of the journal are missing without a disk fault")
         if not measures.ended:
-            self.problem("the journal has no end, though the show was ended by hand")
+            self.problem("the journal has no end line, although the show was ended normally")
         if back := self._word(Word.BACK):
-            self.problem(f"an engine ran {back} times ticks that were over")
+            self.problem(f"engines ran completed ticks again, {back} times")
         replayed = self._facts["replay"] = prove(journal, seed=self._plan.seed, stretches=2)
-        expected = ("could not be written", "the replay goes on from the snapshot")
+        expected = ("could not be written", "the replay resumes at the snapshot")
         told = [words for words in replayed["problems"] if not any(part in words for part in expected)]
         replayed["gaps"] = len(replayed["problems"]) - len(told)
         replayed["problems"] = told if self._lines_may_lack else replayed["problems"] or told
@@ -341,7 +341,7 @@ class ChaosRun:
         self._facts["tracebacks"] = output.count("Traceback (most recent call last)")
 
     def close(self) -> None:
-        """End whatever is left, by its number."""
+        """Kill all remaining processes, by process id."""
         self._over.set()
         process = self._process
         if process is not None:
@@ -359,7 +359,7 @@ class ChaosRun:
             self._page = None
 
     def report(self) -> dict[str, Any]:
-        """The facts of the run."""
+        """Return the report of the run."""
         gaps: dict[str, list[float]] = {}
         for fact in self._blows:
             gaps.setdefault(fact["kind"], []).append(max(fact["gap_s"] - fact["stall_s"], 0.0))
@@ -376,7 +376,7 @@ class ChaosRun:
                 f"{len(self._blows)} faults, {self._ended_engines} engines ended, at most {longest:.2f} s "
                 "without a tick",
                 f"{journal.get('begun', 0)} measures, {len(journal.get('leapt', ()))} leapt, "
-                f"{len(journal.get('lacking', ()))} lack in the journal; {replay.get('measures', 0)} replayed, "
+                f"{len(journal.get('lacking', ()))} missing in the journal; {replay.get('measures', 0)} replayed, "
                 f"{replay.get('different', 0)} differ",
             ],
         }  # fmt: skip
@@ -384,12 +384,12 @@ class ChaosRun:
     # -- small things --------------------------------------------------------------------------------------------
 
     def problem(self, words: str) -> None:
-        """Note what went wrong."""
+        """Record a problem."""
         self._problems.append(words)
         self._tell(words)
 
     def fail(self, failure: Failure, what: str) -> None:
-        """Note an exception of the harness."""
+        """Record an exception of the test harness."""
         self._failures.append(failure.facts())
         self.problem(f"{what}{failure}")
 
@@ -403,7 +403,7 @@ class ChaosRun:
         return int(self._status().get("alive", {}).get("restarts", 0))
 
     def _status(self) -> dict[str, Any]:
-        """The last line of the status that is whole."""
+        """Return the last complete line of the status."""
         for line in _new_lines(self._folder / "status.jsonl", self):
             with contextlib.suppress(ValueError):
                 self._last_status = json.loads(line)

@@ -1,4 +1,4 @@
-"""SmallDisk: a file system of its own for the journal of a chaos run, which can really be full."""
+"""Small tmpfs for the journal of a chaos run, which can be filled completely."""
 
 import contextlib
 import os
@@ -13,15 +13,15 @@ PIECE: Final = 1 << 16
 
 
 class SmallDisk:
-    """A folder on a tmpfs where that may be mounted (root), else a plain one, which is never full. Thread: one."""
+    """A folder on a tmpfs if that can be mounted (as root), else a plain folder, which is never filled. Thread: one."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.real = False
-        """Whether it is a file system of its own."""
+        """Whether it is a separate file system."""
 
     def open(self) -> None:
-        """Make it, empty."""
+        """Create it, empty."""
         shutil.rmtree(self.path, ignore_errors=True)
         self.path.mkdir(parents=True, exist_ok=True)
         if os.geteuid() == 0:
@@ -30,7 +30,7 @@ class SmallDisk:
                 self.real = subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     def fill(self) -> bool:
-        """Fill it to the last byte; False if that cannot be."""
+        """Fill it to the last byte; False if it is a plain folder."""
         if not self.real:
             return False
         with (self.path / FILLER).open("ab", buffering=0) as file, contextlib.suppress(OSError):
@@ -43,18 +43,18 @@ class SmallDisk:
         return True
 
     def free(self) -> None:
-        """Make room again."""
+        """Free the space again."""
         (self.path / FILLER).unlink(missing_ok=True)
 
     def keep(self, folder: Path) -> None:
-        """Copy what was written to it into `folder`."""
+        """Copy its files into `folder`."""
         self.free()
         for file in self.path.iterdir():
             if file.is_file():
                 shutil.copy(file, folder / file.name)
 
     def close(self) -> None:
-        """Take it away."""
+        """Unmount it."""
         if self.real:
             subprocess.run(["umount", "-l", str(self.path)], capture_output=True, check=False)
             self.real = False

@@ -1,8 +1,8 @@
-"""Chaos in virtual time: a soak in which every call site of the tick fails in turn, once, three times, always.
+"""Chaos run in virtual time: a soak test in which every call site of the tick fails in turn, once, three times, always.
 
-One process stands for all: where an engine would end, another one goes on by the program's own recovery
-(`live.supervisor.recovery`), from what a supervisor would have of the show. No second is waited for, so that hundreds
-of deaths take minutes.
+Runs in one process: where an engine would end, another one takes over by the program's own recovery
+(`live.supervisor.recovery`), from the log that a supervisor would have. As there is no real waiting, hundreds of engine
+failures take minutes.
 """
 
 import gc
@@ -29,30 +29,30 @@ from live.supervisor.state_follower import Following
 SALT: Final = 0xC4A0
 TIMES: Final = {"once": 1, "three times": 3, "always": 1 << 30}
 LOOKS_FOR: Final = 24.0
-"""Seconds of the show in which call sites are looked for."""
+"""Show time in which call sites are recorded [s]."""
 PATIENCE: Final = 12.0
-"""Seconds of the show in which a site that is armed is waited for; some are passed in few measures only."""
+"""Maximum show time for which an armed site is waited for [s]; some are passed only in few measures."""
 AFTER: Final = 1.0
-"""Seconds of the show from a failure to the next."""
+"""Show time from a failure to the next [s]."""
 MOST_DEATHS: Final = 12
-"""Engines that one site may end before that is called a loop: none is to end a fourth for the same cause, and a stage,
-its simpler form and the whole tick are three causes."""
+"""Number of ended engines above which a site is reported as a loop. No cause may end a fourth engine, and a stage, its
+simpler form and the whole tick are three causes."""
 
 
 class MemorySink:
-    """What a supervisor does with the lines of a show: a log for who goes on, and the journal on disk."""
+    """Journal sink that acts as a supervisor: a recovery log in memory, and the journal on disk."""
 
     def __init__(self, path: Path) -> None:
         self.log, self._disk = Log(), Disk(path)
         self._snapshots = 0
 
     def put(self, line: str) -> None:
-        """A line of the show."""
+        """Store a line of the show."""
         if self.log.take(line):
             self._disk.put(line)
 
     def snapshot(self, taken: Taken) -> None:
-        """A state, as an engine sends it."""
+        """Store a snapshot, as an engine sends it."""
         import base64
         import json
 
@@ -61,25 +61,25 @@ class MemorySink:
         self._snapshots += 1
 
     def facts(self) -> dict[str, int]:
-        """As of a journal's file."""
+        """Return the figures of a journal's file."""
         return {"lines": 0, "dropped": 0, "bytes": 0, "behind": 0, "missing": 0, **self._disk.facts()}
 
     def close(self) -> None:
-        """Write what waits."""
+        """Write the pending lines."""
         self._disk.close()
 
 
 class RecoveringSoak(Soak):
-    """A soak whose show goes on where it fails, as a supervised one does."""
+    """A soak test whose show recovers from failures, as a supervised one does."""
 
     def __init__(self, plan: Plan, folder: Path) -> None:
         self._sink = MemorySink(folder / "journal.jsonl")
         super().__init__(plan, folder, sink=self._sink)
         self.deaths = Deaths()
         self.foreseen = False
-        """Whether so many engines ended in one stage that it was put out of service for that."""
+        """Whether a stage was disabled because several engines ended in it."""
         self.notes: list[str] = []
-        """What the operator would have read."""
+        """Notes that the operator would have read."""
 
     def _frame(self) -> None:
         try:
@@ -88,7 +88,7 @@ class RecoveringSoak(Soak):
             self.die(error)
 
     def die(self, error: Exception) -> None:
-        """An engine has ended; another one goes on. Raises what the recovery does, if nothing helps."""
+        """Let another engine take over after an engine has ended. Raises the recovery's exception if it fails."""
         now = self.clock.now()
         running = self.show.breakers.running
         tick = self.engine.ticks.index
@@ -105,7 +105,7 @@ class RecoveringSoak(Soak):
         self.notes += recovered.notes
         self._go_on(recovered.show, following.tick)
         error.__traceback__ = None
-        gc.collect()  # the show that failed is in circles; with a real engine all its memory goes
+        gc.collect()  # the failed show has reference cycles; a real engine frees its memory when it ends
 
     def _go_on(self, show: Any, tick: int) -> None:
         self.show = show
@@ -121,28 +121,28 @@ class RecoveringSoak(Soak):
 
 
 class Row:
-    """One site after the other, in one show."""
+    """Lets one site after the other fail, in one show."""
 
     def __init__(self, soak: RecoveringSoak, sites: list[tuple[Site, str]]) -> None:
         self._soak, self._coming = soak, list(reversed(sites))
         self.injector = Injector()
         self.now: tuple[Site, str] | None = None
-        """The site that fails now, and how often it does."""
+        """The site that fails now, and how often (key of TIMES)."""
         self._begun = self._quiet_at = 0.0
         self._deaths = 0
         self.tried = 0
         self.never: list[str] = []
         """Sites that no tick passed while they were armed."""
         self.worst = 0
-        """The most engines that one site ended."""
+        """Maximum number of engines that one site ended."""
 
     @property
     def over(self) -> bool:
-        """Whether all had their turn."""
+        """Whether all sites are done."""
         return self.now is None and not self._coming
 
     def frame(self) -> None:
-        """Between two frames: whose turn it is."""
+        """Arm or end a site; called between two frames."""
         soak, now = self._soak, self._soak.clock.now()
         if self.now is None:
             if self._coming and now >= self._quiet_at:
@@ -152,7 +152,7 @@ class Row:
             return
         died = soak.deaths.count - self._deaths
         if died > MOST_DEATHS:
-            soak.journal.add(f"{self.words()}: {died} engines ended in it and no end")
+            soak.journal.add(f"{self.words()}: {died} engines ended, endless loop")
         passed = self.injector.raised > 0
         used = self.injector.left <= 0 or (passed and now - self._begun > 2.0 * AFTER)
         if died > MOST_DEATHS or used or now - self._begun > PATIENCE:
@@ -170,17 +170,15 @@ class Row:
         if not passed:
             self.never.append(self.words())
         self.injector.disarm()
-        if soak.show.breakers.why:  # a person puts it back, so that the next site finds all in service
+        if soak.show.breakers.why:  # reset the breakers, so that all stages are enabled for the next site
             if site[1] == "once" and not soak.foreseen:
-                soak.journal.add(
-                    f"{self.words()}: one exception put {', '.join(soak.show.breakers.why)} out of service"
-                )
+                soak.journal.add(f"{self.words()}: one exception disabled {', '.join(soak.show.breakers.why)}")
             soak.inbox.put(ResetBreaker(time=now, source="osc", name=""))
         self.now, self._quiet_at, soak.foreseen = None, now + AFTER, False
 
 
 def find_sites(plan: Plan, folder: Path, *, deep: bool = False) -> list[Site]:
-    """The call sites that this patch passes, in the order of their names."""
+    """Return the call sites that this patch passes, sorted by name."""
     folder.mkdir(parents=True, exist_ok=True)
     looker = Looker(deep=deep)
     soak = Soak(plan, folder)
@@ -194,8 +192,8 @@ def find_sites(plan: Plan, folder: Path, *, deep: bool = False) -> list[Site]:
 def virtual_chaos(
     plan: Plan, folder: Path, *, sites: int = 0, deep: bool = False, tell: Callable[[str], None] = lambda words: None
 ) -> dict[str, Any]:
-    """Let the sites fail, `sites` of them drawn by the plan's seed (0: all), each once, three times and always; the
-    facts of a report. The show is as long as that takes, the plan's length at most."""
+    """Let `sites` call sites, drawn by the plan's seed (0: all), fail once, three times and always; return the report.
+    The show lasts as long as that takes, at most the plan's length."""
     chance = np.random.default_rng([plan.seed, SALT])
     found = find_sites(plan, folder / "looking", deep=deep)
     drawn = found if not sites else [found[int(i)] for i in sorted(chance.permutation(len(found))[:sites])]
@@ -215,9 +213,9 @@ def virtual_chaos(
     with instead_of_tick(turns.injector.run):
         report = soak.run(progress)
     if soak.failure is not None and turns.now is not None:
-        report.problems.append(f"at that time failed: {turns.words()}")
+        report.problems.append(f"failing at that time: {turns.words()}")
     if not turns.over:
-        tell(f"{len(row) - turns.tried} failures were not tried: the show was over before")
+        tell(f"{len(row) - turns.tried} failures were not tried: the show ended before")
     try:
         report.replay = prove(soak.journal_path, seed=plan.seed, stretches=2)
     except Exception as error:

@@ -33,8 +33,8 @@ class OutputPass:
     """Draws one output. GL objects are created here and in `set`, in the context of the output's window."""
 
     def __init__(self, ctx: moderngl.Context, output: Output, number: int = 0, detail: str = "") -> None:
-        """`number`: of the output, from 0, for its tint; `detail`: a line under its name. Raises PersonError if the mask
-        cannot be read."""
+        """`number`: of the output, from 0, for its tint; `detail`: a line under its name. Raises PersonError if the
+        mask cannot be read."""
         self._ctx = ctx
         shaders = "output_vertex.glsl", "output_fragment.glsl"
         kinds = (
@@ -83,8 +83,7 @@ class OutputPass:
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
     ) -> None:
-        """Draw `picture`, or a test card, over all of `target`; `left`: the share of light that the flash limit allows.
-        """
+        """Draw `picture`, or a test card, over all of `target`; `left`: the light allowed by the flash limit."""
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
         drawn = int(card != "off")
@@ -166,8 +165,7 @@ class HandlePass:
         set_uniform(self._program, "atlas", 1)
 
     def draw(self, points: Sequence[Point], chosen: int, lines: tuple[str, ...], target: moderngl.Framebuffer) -> None:
-        """Draw marks at `points` [shares of the window], the chosen one highlighted, and lines of text, over the target.
-        """
+        """Draw marks at `points` [shares of the window], one of them chosen, and lines of text over `target`."""
         size = target.viewport[2:]
         marks = np.concatenate([self._panel(lines, size), self._points(points, chosen, size)])[:_LIMIT]
         self._buffer.write(np.ascontiguousarray(marks, np.float32))

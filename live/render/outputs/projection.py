@@ -170,8 +170,8 @@ class Projection:
         return value
 
     def draw(self, view: StageView) -> None:
-        """Render the next frame, which becomes visible with `show`. If there is an operator's window, overlay and guides
-        appear only there."""
+        """Render the next frame, which becomes visible with `show`. Overlay and guides appear only in the operator's
+        window, if there is one."""
         self.window.make_current()
         self._fit()
         self._lifted = view.flashes

@@ -1,4 +1,4 @@
-"""Render passes for trails (frame feedback that fades in beats, at any frame rate) and ribbons behind hands and feet."""
+"""Render passes for trails (frame feedback that fades in beats) and for ribbons of hands and feet."""
 
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ _STRENGTH: Final = 0.55
 
 
 class TrailsPass:
-    """Feedback of the previous frame. A smaller amount shortens the trails, so that they fade in and out."""
+    """Feedback of the previous frame; independent of the frame rate. A smaller amount shortens the trails."""
 
     needs_surfaces = False
 

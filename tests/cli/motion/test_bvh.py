@@ -65,7 +65,7 @@ def test_as_a_table(walk: Path) -> None:
     done = run_live("bvh", str(walk))
     assert done.returncode == 0
     for words in (
-        "21 joints, 5 ends, 66 numbers a frame",
+        "21 joints, 5 end sites, 66 channels",
         "31 (the file says 32), 30 a second: 1.03 s",
         "1.2 m",
         "LeftArm",
@@ -103,7 +103,7 @@ def test_no_recording_is_written_over(walk: Path) -> None:
     archive.write_bytes(before)
     done = run_live("bvh", "walk.npz", "--joints", "walk.npz", cwd=walk.parent)
     assert done.returncode == 2
-    assert "--joints walk.npz: that is the file to be read" in done.stderr
+    assert "--joints walk.npz: that is the input file" in done.stderr
     assert archive.read_bytes() == before
 
 

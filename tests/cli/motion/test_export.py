@@ -110,8 +110,8 @@ def test_a_step_of_a_library_and_some_of_its_measures(dance: Path) -> None:
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("{dance}", {"to": "out.fbx"}, r"ends in \.bvh, \.glb, \.vrma"),
     ("{dance}", {"to": "out"}, r"ends in \.bvh"),
-    ("{dance}", {"to": "there.glb"}, "is there already.*--force"),
-    ("{dance}", {"to": "dance.bvh", "force": True}, "is the file to be read"),
+    ("{dance}", {"to": "there.glb"}, "exists already.*--force"),
+    ("{dance}", {"to": "dance.bvh", "force": True}, "is the input file"),
     ("{dance}", {"to": "nowhere/out.bvh"}, "there is no folder"),
     ("{dance}", {"rate": "fast"}, "1 to 1000 frames per second expected, or source"),
     ("{dance}", {"rate": "nan"}, "1 to 1000"),

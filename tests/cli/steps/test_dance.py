@@ -135,9 +135,9 @@ def test_the_nearest_dance_and_what_is_missing(library: Path) -> None:
     write_steps(library, 'name = "a"\nbegin_pose = "x"\nend_pose = "x"', 'name = "b"\nbegin_pose = "x"\nend_pose = "y"')
     shown = run_live("dance", str(library), "--sequence", "a, b, a", "--threshold", "5")
     assert shown.returncode == 0
-    assert shown.stdout.count("(not as wanted)") == 1
+    assert shown.stdout.count("(differs)") == 1
     assert shown.stderr.splitlines() == [
-        "1 of 3 measures is not as wanted: this is the nearest dance",
+        "1 of 3 measures is different: this is the nearest dance",
         "missing in measure 3 after b: no a that starts in y: record one (or b that ends in x)",
     ]
     free = run_live("dance", "sketches", "--sequence", "samba x2")
@@ -182,7 +182,7 @@ def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], argume
         ({"sequence": "walk, grapvine"}, r"entry 2 of the sequence: there is no step 'grapvine' \(grapevine\)"),
         ({"sequence": ""}, "entry 1 of the sequence is empty"),
         ({"sequence": "@nowhere.txt"}, "--sequence @nowhere.txt: there is no such file"),
-        ({"sequence": "@."}, "--sequence @.: that is no file"),
+        ({"sequence": "@."}, "--sequence @.: that is not a file"),
         ({"sequence": "walk", "bpm": 0.0}, "--bpm 0: 20 to 400 expected"),
         ({"sequence": "walk", "bpm": float("nan")}, "--bpm nan"),
         ({"sequence": "walk", "window": 5.0}, "--window 5: at most a measure, 4 beats"),

@@ -130,7 +130,7 @@ def test_bad_leaders_are_named(night: Night, tmp_path: Path) -> None:
     refused("--examples", examples=None)
     refused("both or neither", bpm=120.0)
     refused("no such file", leader=tmp_path / "nobody.bvh")
-    refused("to be read", out=night.leader)
+    refused("that is an input file", out=night.leader)
     refused("pairs, which a leader", leader=None, path=night.pairs)
     short = tmp_path / "short.bvh"
     clip = dancing(61, 300)

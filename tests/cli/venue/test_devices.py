@@ -87,7 +87,7 @@ def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     inputs, outputs = devices.midi()
     assert [item["name"] for item in inputs.items] == ["keys:0", "pads:1"]
     assert inputs.why is None
-    assert outputs.why == "the system's MIDI is there, but nothing is plugged in"
+    assert outputs.why == "MIDI is available, but no device is connected"
 
 
 def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatch: pytest.MonkeyPatch) -> None:

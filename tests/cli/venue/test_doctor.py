@@ -115,7 +115,7 @@ def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.M
     [
         ("rtmidi: libasound.so.2: cannot open shared object file", "sudo dnf install alsa-lib"),
         ("No module named 'rtmidi': python-rtmidi is ready-made for …", "make clean play PYTHON=python3.12"),
-        ("the system's MIDI is there, but nothing is plugged in", "plug in a MIDI device"),
+        ("MIDI is available, but no device is connected", "plug in a MIDI device"),
     ],
 )
 def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:

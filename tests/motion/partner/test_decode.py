@@ -145,7 +145,7 @@ def test_free_ends_may_be_skipped_at_no_cost() -> None:
 def test_an_input_shorter_than_any_unit_is_refused() -> None:
     units = made_units(14, 3)
     stretches = make_stretches(units, 10.0, 0.1)
-    with pytest.raises(PersonError, match="no row of units"):
+    with pytest.raises(PersonError, match="no sequence of units"):
         decode(made_cloud(np.random.default_rng(15), 3, 10.0), stretches, k=K)
 
 

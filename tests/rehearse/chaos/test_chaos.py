@@ -43,6 +43,11 @@ def test_call_sites_are_found_in_the_tick_and_in_what_it_does_at_measure_lines(s
     assert sys.getprofile() is None
 
 
+def test_sites_in_the_circuit_breakers_are_known(sites):
+    """Their file was named by a string, which a move left behind."""
+    assert 0 < sum(site.of_the_mechanism for site in sites) < len(sites) / 2
+
+
 def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
     site = next(site for site in sites if site.caller.endswith("Show._move") and "GroupMotion.tick" in site.callee)
     injector, show, raised = Injector(), made_show(), []
@@ -60,7 +65,7 @@ def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
 
 def test_a_site_that_is_nowhere_fails_nothing():
     injector, show = Injector(), made_show()
-    injector.arm(Site("show/core.py, Show.nothing", 1, "none"), 3, since=0.0)
+    injector.arm(Site("show/show.py, Show.nothing", 1, "none"), 3, since=0.0)
     with instead_of_tick(injector.run):
         for tick in range(1, 80):
             show.tick(tick / 64.0)
@@ -95,7 +100,7 @@ def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_pat
     facts = virtual_chaos(plan, tmp_path, sites=2)
     assert not facts["ok"]
     assert "nothing has helped" in facts["problems"][0]
-    assert facts["problems"][1].startswith("at that time failed: show/")
+    assert facts["problems"][1].startswith("failing at that time: show/")
 
 
 def test_the_plan_is_seeded_and_every_kind_comes_once_before_any_comes_again():

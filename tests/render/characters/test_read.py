@@ -64,7 +64,7 @@ CASES = {
     "bones in one place": (in_one_place, "in one place"),
     "nothing that moves it": (
         lambda root, _: root["meshes"][0]["primitives"][0]["attributes"].pop("JOINTS_0"),
-        "moves",
+        "cannot be animated",
     ),
 }
 
@@ -168,7 +168,7 @@ def test_what_only_the_wearer_sees_is_left_out_and_the_licence_is_told():
 
     model = parse_model(broken(own_eyes, vrm="0.x"), "anna.vrm")
     assert len(model.parts) == 1
-    assert "own eyes" in model.notes[0]
+    assert "first-person view" in model.notes[0]
     assert model.kind == "VRM 0.x"
     assert model.licence["author"] == "somebody"
     assert model.licence["licence"] == "CC0"
