@@ -16,7 +16,7 @@ from typing import IO, Any, Final, Literal
 import numpy as np
 import psutil
 
-from live.app.launch_options import Wish
+from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import AudiencePart
 from live.base.event_queue import Inbox
 from live.cli.bench import Row
@@ -39,7 +39,7 @@ FPS: Final = 60.0
 
 @dataclass(slots=True)
 class Found:
-    """What was measured while the phones played."""
+    """What was measured while the phones options."""
 
     told: dict[str, Any] = field(default_factory=dict)
     """What the phones say."""
@@ -64,9 +64,9 @@ class Stage:
         self.status = Status(self.show, rejected=lambda: self.part.refused(), memory=lambda: 0.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=inbox, status=self.status)
         self.engine.outward.append(self._hear)
-        wish = Wish(audience=("127.0.0.1", 0), audience_secret=b"bench" * 7)
+        options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"bench" * 7)
         venue = Venue(audience=VenueAudience(network=network))
-        self.part = AudiencePart(wish, self.show, inbox.lane(), self.clock, venue)
+        self.part = AudiencePart(options, self.show, inbox.lane(), self.clock, venue)
         self.found = Found()
         self.places: list[str] = []
         """Where voices gathered, each time that it was told."""
@@ -102,7 +102,7 @@ class Stage:
         return subprocess.Popen([sys.executable, "-m", "bench._phones", *said], stdout=subprocess.PIPE, text=True)
 
     def meet(self, *crowds: tuple[object, ...]) -> list[dict[str, Any]]:
-        """Let crowds of phones come and play; what each says, and what the status said of all while they played."""
+        """Let crowds of phones come and play; what each says, and what the status said of all while they options."""
         pacer = self._open()
         running = [self.phones(*words) for words in crowds]
         while any(process.poll() is None for process in running):

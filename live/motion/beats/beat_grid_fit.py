@@ -54,7 +54,7 @@ class BeatFit:
 
 
 def fit_known_period(times: Float64, period_s: float) -> BeatFit:
-    """Return the fit with the offset in [0, period) that puts most events on beats (kernel density), refined on those."""
+    """Fit with the offset in [0, period) that puts most events on beats (kernel density), refined on those."""
     offsets = np.arange(0.0, period_s, GRAIN)
     off = times[:, None] - offsets
     late = off - period_s * np.round(off / period_s)

@@ -59,7 +59,7 @@ def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = Tr
 
 
 def follow_arc(a: Float, b: Float, weight: float, begin: int) -> Float:
-    """Return SLERP from `a` to `b` (T, ..., 4) along arcs that are continuous in time and the shorter ones at `begin`."""
+    """SLERP from `a` to `b` (T, ..., 4) along arcs that are continuous in time and the shorter ones at `begin`."""
     a, b = quaternion.continuous(a), quaternion.continuous(b)
     begin = min(max(begin, 0), len(a) - 1)
     b = b * np.where(np.sum(a[begin] * b[begin], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)

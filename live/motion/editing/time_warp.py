@@ -101,7 +101,7 @@ def draw_measure_warps(
     f_max: float = F_MAX,
     window: float = BLEND_WINDOW,
 ) -> MeasureWarps:
-    """Return random warps for `count` measures: A ~ U[0, a_max], f ~ U[0.5, f_max], x0 ~ U, the sign of y ~ U(-1, 1) (T055).
+    """Random warps for `count` measures: A ~ U[0, a_max], f ~ U[0.5, f_max], x0 ~ U, the sign of y ~ U(-1, 1) (T055).
 
     The lower limit of f is raised so that the half wave fits before the blend `window`, and x0 is drawn from all
     positions where it fits. ValueError for values with which time could run backwards or the half wave would not fit.
@@ -136,7 +136,7 @@ def warp_step(step: StepClip, warps: MeasureWarps, *, window: float = BLEND_WIND
 
 
 def warp_clip(clip: Clip, samples: npt.NDArray[np.floating]) -> Clip:
-    """Return the clip resampled so that sample n is `clip` at the fractional sample `samples[n]`, (T,); ends are held."""
+    """Clip resampled so that sample n is `clip` at the fractional sample `samples[n]`, (T,); ends are held."""
     root, rotation, contact = read_clip(clip, samples)
     return replace(
         clip,
@@ -202,7 +202,7 @@ def draw_sequence_warp(
     a_max: float = A_MAX,
     f_max: float = F_MAX,
 ) -> SequenceWarp:
-    """Return a random warp of a sequence of `measures`: A ~ U[0, a_max] and f ~ U[0.5, f_max] every `spacing` measures (T056).
+    """Random warp of a sequence of `measures`: A ~ U[0, a_max] and f ~ U[0.5, f_max] every `spacing` measures (T056).
 
     Frequencies are then scaled slightly so that a whole number of half waves fills the sequence and its end does not
     move; amplitudes are scaled, if necessary, so that time never runs backwards. ValueError for an empty sequence or
@@ -220,7 +220,7 @@ def draw_sequence_warp(
 
 
 def warp_sequence(step: StepClip, warp: SequenceWarp) -> StepClip:
-    """Return the step with its measures, from the first downbeat on, warped as a sequence; lead-in and tail unchanged."""
+    """Step with its measures, from the first downbeat on, warped as a sequence; lead-in and tail unchanged."""
     place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
     return replace(step, clip=warp_clip(step.clip, step.first + warp.phase(place) * step.samples_per_measure))
 

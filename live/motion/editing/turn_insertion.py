@@ -2,8 +2,8 @@
 
 `insert_rotation` edits a clip sample by sample. `SupportTurns` is the same in closed form, for any fraction of a
 measure and any angle. A point of the stage plane is the complex number z + i x, so turning by `yaw` is multiplying by
-exp(i yaw). During a support the turn is about the ball of its foot, which earlier turns have moved. The motion that maps
-a clip's point p to exp(i angle share) p + D is therefore a sum over the supports of integrals in closed form.
+exp(i yaw). During a support the turn is about the ball of its foot, which earlier turns have moved. The motion that
+maps a clip's point p to exp(i angle share) p + D is therefore a sum over the supports of integrals in closed form.
 """
 
 from collections.abc import Sequence
@@ -109,7 +109,7 @@ class SupportTurns:
     weight: Float64
     """Share of the total angle turned in the segment."""
     point: Float64
-    """Position of the supporting foot's ball at the start of the segment, x and z [m] in clip axes; shape (..., 8, 2)."""
+    """Position of the supporting foot's ball at the segment start, x and z [m] in clip axes; shape (..., 8, 2)."""
     point_stop: Float64
     """The same at the end of the segment: recorded feet creep, and roll from heel to toe."""
     softness: Float64
@@ -136,11 +136,11 @@ class SupportTurns:
         return np.asarray(np.sum(self.weight * self._progress(fraction), axis=-1))
 
     def displacement(self, fraction: npt.ArrayLike, angle: npt.ArrayLike) -> Float64:
-        """What is added to the turned clip so that the carrying foot holds: x, z [m] in the clip's own axes, (..., 2).
+        """Return the displacement that keeps the supporting foot in place: x, z [m] in the clip's own axes, (..., 2).
 
         With yaw = `angle` · share(`fraction`) a point of the clip goes to turned(point, yaw) + displacement, and the
-        body's heading grows by yaw. For a clip that is placed on the stage with a yaw of its own, turn the
-        displacement by that yaw and add yaw to both the path's and the body's. `fraction` and `angle` [rad]
+        body's heading grows by yaw. If the clip is placed on the stage with another yaw, turn the
+        displacement by that one and add yaw to those of path and body. `fraction` and `angle` [rad]
         broadcast against the leading axes.
         """
         progress = self._progress(fraction)

@@ -52,7 +52,7 @@ SPACING: Final = 1.0
 
 
 def draw_factors(rng: np.random.Generator, count: int, *, r_max: float = R_MAX) -> Float64:
-    """Return factors (count,), each 1 - r_max, 1 or 1 + r_max with equal chance: one for each measure (T060 as corrected).
+    """Factors (count,), each 1 - r_max, 1 or 1 + r_max with equal chance: one for each measure (T060 as corrected).
 
     Only these three, because values between are hardly visible. ValueError unless 0 <= r_max < 1.
     """
@@ -64,7 +64,7 @@ def draw_factors(rng: np.random.Generator, count: int, *, r_max: float = R_MAX) 
 def draw_sequence_factors(
     rng: np.random.Generator, measures: float, *, spacing: float = SPACING, r_max: float = R_MAX
 ) -> tuple[Float64, Float64]:
-    """Return positions [measures] and factors, (K,) each: sparse points from 0 to beyond the end, factors in pairs (T059)."""
+    """Positions [measures] and factors, (K,) each: sparse points from 0 to beyond the end, factors in pairs (T059)."""
     if not (measures >= 0.0 and spacing > 0.0):
         raise ValueError(f"measures {measures}, spacing {spacing}: too small")
     pairs = int(np.ceil((measures / spacing + 1.0) / 2.0)) + 1
@@ -95,7 +95,8 @@ def scale_step(step: StepClip, factors: float | Sequence[float] | Float64, *, wi
     """Return the step scaled by one factor, or one per measure (T060); the mean is taken over its measures.
 
     Between two measures of different factors r changes with easing during the blend `window` (share of a measure)
-    before the measure line, like the blend between two clips of a graph. ValueError unless there is one factor for each measure.
+    before the measure line, like the blend between two clips of a graph. ValueError unless there is one factor per
+    measure.
     """
     values = np.atleast_1d(np.asarray(factors, np.float64))
     if values.size == 1:

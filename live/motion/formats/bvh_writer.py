@@ -17,7 +17,7 @@ _LOCKED = 1e-9
 
 
 def zxy_angles(rotation: Float) -> Float64:
-    """Return the angles about z, x and y [rad] of unit quaternions, (..., 4) → (..., 3): R = Rz Rx Ry, x within ±90 degrees."""
+    """Angles about z, x and y [rad] of unit quaternions, (..., 4) → (..., 3): R = Rz Rx Ry, x within ±90 degrees."""
     w, x, y, z = np.moveaxis(quaternion.unit(np.asarray(rotation, np.float64)), -1, 0)
     minus_sin_z, cos_z = 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z)  # both times cos x
     minus_sin_y, cos_y = 2.0 * (x * z - w * y), 1.0 - 2.0 * (x * x + y * y)  # both times cos x

@@ -55,7 +55,7 @@ class MotionFacts:
     tpose_first: bool
     """Whether the first frame is an added T-pose."""
     floor_m: float | None
-    """5th percentile of the height of the lowest joint or End Site [m], without an added T-pose and the transition from it."""
+    """5th percentile of the height of the lowest joint or End Site [m], without an added T-pose and its transition."""
     height_m: float | None
     """Height of a person with this leg length [m], by the engine's proportions: few files mark the top of the head."""
     travel_m: float | None
@@ -181,7 +181,7 @@ def _floating(lowest: Float64) -> list[FileWarning]:
     over = float(np.median(lowest) - np.percentile(lowest, FLOOR_PERCENTILE))
     if over < FLOATING:
         return []
-    return [FileWarning(f"the body is {over:.2f} m above the floor half of the time: it drifts, or the height is wrong")]
+    return [FileWarning(f"the body is {over:.2f} m over the floor half of the time: it drifts, or jumps a lot")]
 
 
 def _still_root(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: float) -> list[FileWarning]:

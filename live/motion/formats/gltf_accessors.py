@@ -48,7 +48,7 @@ class Accessors:
         self._largest = 1_000_000 + gltf.size // 2
 
     def read(self, index: int, kind: str) -> Float64:
-        """Return all elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
+        """All elements of an accessor of the given type ("SCALAR", "VEC3", "VEC4", "MAT4"), float64 (count, width).
 
         Normalized integers become -1..1 or 0..1. Raises MotionFileError for NaN and values out of range.
         """
@@ -78,7 +78,7 @@ class Accessors:
         return result
 
     def content(self, place: JsonPlace) -> memoryview:
-        """Return the bytes of an image from a buffer view, a data URI or a file next to this one; raises MotionFileError."""
+        """Bytes of an image from a buffer view, a data URI or a file next to this one; raises MotionFileError."""
         if not place.has("bufferView"):
             return memoryview(self._content(place, -1))
         view = self._root.element("bufferViews", place.whole("bufferView", below=self._root.length("bufferViews")))

@@ -43,7 +43,7 @@ class Curve:
     """For CUBICSPLINE: incoming and outgoing [per second], (K, W) each."""
 
     def at(self, times: Float64) -> Float:
-        """Return the value at each of `times` (T,) [s], shape (T, W); constant before the first and after the last key."""
+        """Value at each of `times` (T,) [s], shape (T, W); constant before the first and after the last key."""
         if len(self.times) == 1:
             return np.broadcast_to(self.values[0], (len(times), self.values.shape[1]))
         after = np.clip(np.searchsorted(self.times, times, side="right"), 1, len(self.times) - 1)
@@ -164,7 +164,7 @@ class CurveReader:
         self._room = 1_000_000 + size // 4
 
     def frames(self, channels: list[Channel]) -> Frames:
-        """Return frame times from the first to the last key of all channels, at the rate of the channel with most keys."""
+        """Frame times from the first to the last key of all channels, at the rate of the channel with most keys."""
         start, end, longest = np.inf, -np.inf, np.empty(0)
         for channel in channels:
             keys = self._key_times(channel)

@@ -152,7 +152,7 @@ class JsonPlace:
         """Return one object of an array of objects."""
         count = self.length(key)
         if not 0 <= index < count:
-            raise self.error(key, f"has {count} elements and no number {index}", "a file with valid references expected")
+            raise self.error(key, f"has {count} elements and no number {index}", "valid references expected")
         place = f"{self.where}.{key}" if self.where else key
         return JsonPlace(self._value[key][index], f"{place}[{index}]", self.file)
 

@@ -82,7 +82,7 @@ class LocalMotion:
             if carries and not all(is_even(column) for column in values.T):
                 self.warnings.append(f"the scale of {name} changes: its median is used")
         if carries and not is_even(scale):
-            self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, its bones are inexact")
+            self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, bones are inexact")
         return NodeRest(rest.translation, rest.rotation, scale)
 
     def _compose(

@@ -23,7 +23,7 @@ _FACES: Final = np.array(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoneFigure:
-    """V triangle corners in the rest pose, each bound to one joint; faces are flat-shaded, so corners are not shared."""
+    """V triangle corners in the rest pose, each bound to one joint; faces are flat-shaded, so no corner is shared."""
 
     positions: npt.NDArray[np.float32]
     """[m], shape (V, 3)."""

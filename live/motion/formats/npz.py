@@ -99,7 +99,7 @@ class Archive:
     def _unpack(self, key: str, member: zipfile.ZipInfo) -> bytes:
         """Return the member's bytes; its size is checked first and never exceeded."""
         if member.compress_type not in _PLAIN or member.flag_bits & 1:
-            raise MotionFileError(self._file, None, f"{key} is encrypted or uses an unsupported compression", "save it with numpy.savez")
+            raise MotionFileError(self._file, None, f"{key} is encrypted or unsupported", "save it with numpy.savez")
         if member.file_size > self._limit:
             words = f"{key} has {member.file_size} bytes unpacked"
             raise MotionFileError(self._file, None, words, f"at most {self._limit} in a file of this size expected")

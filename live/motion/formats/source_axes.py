@@ -27,7 +27,7 @@ UNITS: Final = (1.0, 0.01, 0.1, 0.001, 0.0254, 0.3048, 0.0254 / 0.45)
 
 
 def leg_length(body: SourceBody, positions: Float) -> float:
-    """Return the leg length, hip to ankle along the bones [file units], median over the frames and both sides; `positions` (T, J, 3)."""
+    """Leg length, hip to ankle along the bones [file units], median of frames and both sides; `positions` (T, J, 3)."""
     lengths = []
     for side in ("left", "right"):
         hip, knee, ankle = (body.joint(side + name) for name in ("UpperLeg", "LowerLeg", "Foot"))
@@ -42,7 +42,7 @@ def body_height(leg: float) -> float:
 
 
 def find_unit(leg: float) -> float | None:
-    """Return the metres per unit that give a body height nearest to 1.7 m for `leg` units; None if none is plausible."""
+    """Metres per unit that give a body height nearest to 1.7 m for `leg` units; None if none is plausible."""
     if not leg > 0.0:
         return None
     best = min(UNITS, key=lambda unit: abs(math.log(body_height(leg) * unit / BODY_HEIGHT)))

@@ -99,7 +99,7 @@ class WorldPose:
 
 
 def world_pose(parents: Int32, local: LocalPose) -> WorldPose:
-    """Return the forward kinematics on the file's own skeleton: B = A + O_B R_A and so on (T164), over all frames at once."""
+    """Forward kinematics on the file's own skeleton: B = A + O_B R_A and so on (T164), over all frames at once."""
     frames, joints = local.rotation.shape[:2]
     positions, rotations = np.empty((joints, frames, 3)), np.empty((joints, frames, 4))
     for joint, parent in enumerate(parents):

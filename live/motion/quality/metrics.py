@@ -46,7 +46,7 @@ def motion_beats(speed: Float64, rate: float, begin: float = 0.0) -> Float64:
 
 
 def offsets(beats: Float64, others: Float64) -> Float64:
-    """Return the signed offset from each of `beats` (n,) to the nearest of `others` (m,) [s], (n,); empty if either is."""
+    """Signed offset from each of `beats` (n,) to the nearest of `others` (m,) [s], (n,); empty if either is."""
     if not len(beats) or not len(others):
         return np.zeros(0)
     others = np.sort(others)
@@ -57,7 +57,7 @@ def offsets(beats: Float64, others: Float64) -> Float64:
 
 
 def alignment(beats: Float64, others: Float64) -> float | None:
-    """Return the mean of exp(-d² / 2σ²) over `beats`, d the distance to the nearest of `others`, σ 50 ms; None without beats.
+    """Mean of exp(-d² / 2σ²) over `beats`, d the distance to the nearest of `others`, σ 50 ms; None without beats.
 
     With the music's beats first it is Bailando's score (does every beat have a move?), with the motion's first that of
     AIST++ (is every move on a beat?). 0 if `others` is empty.
@@ -80,7 +80,7 @@ SKATING_FRAMES: Final = 5
 
 
 def slide_speeds(position: Float, rate: float) -> Float64:
-    """Return the horizontal speed [m/s] of each foot, the slower of heel and ball, (T - 1, ..., 2) from (T, ..., J, 3)."""
+    """Horizontal speed [m/s] of each foot, the slower of heel and ball, (T - 1, ..., 2) from (T, ..., J, 3)."""
     feet = np.stack((position[..., ANKLES, :], position[..., BALLS, :]), axis=-2).astype(np.float64)
     moved = np.diff(feet, axis=0)[..., (0, 2)]
     return np.asarray(np.hypot(moved[..., 0], moved[..., 1]).min(axis=-1) * rate, np.float64)
@@ -92,7 +92,7 @@ def slides(position: Float, contact: Bool, rate: float) -> Float64:
 
 
 def skates(position: Float, rate: float) -> Bool:
-    """Return at 20 frames per second whether a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
+    """At 20 frames per second whether a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
     count = int((len(position) - 1) * SKATING_RATE / rate + 1e-6) + 1
     at = np.minimum(np.arange(count) * rate / SKATING_RATE, len(position) - 1.0)
     low = at.astype(np.int64)
@@ -130,13 +130,13 @@ DRAWN: Final = 4000
 
 
 def velocity_changes(position: Float, rate: float) -> Float64:
-    """Return the change of each joint's velocity at the samples between the first and last [m/s], (T - 2, ...) of (T, ..., 3)."""
+    """Change of each joint's velocity at the samples between the first and last [m/s], (T - 2, ...) of (T, ..., 3)."""
     velocity = np.diff(position.astype(np.float64), axis=0) * rate
     return np.asarray(np.linalg.norm(np.diff(velocity, axis=0), axis=-1), np.float64)
 
 
 def accelerations(position: Float, rate: float) -> Float64:
-    """Return accelerations [m/s²], velocities averaged over three samples, (T - 4, ...) from (T, ..., 3): none at the ends."""
+    """Accelerations [m/s²], velocities averaged over three samples, (T - 4, ...) from (T, ..., 3): none at the ends."""
     velocity = np.diff(position.astype(np.float64), axis=0) * rate
     if len(velocity) < ACCELERATION_WINDOW + 1:
         return np.zeros((0, *velocity.shape[1:-1]))

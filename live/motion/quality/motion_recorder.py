@@ -51,7 +51,7 @@ class MotionTrace:
         return np.concatenate(self._speed) if self._speed else np.zeros((0, 0))
 
     def skating_ratio(self) -> float | None:
-        """Return the share of dancer frames, at 20 per second, in which a foot skates; None for fewer than two frames."""
+        """Share of dancer frames, at 20 per second, in which a foot skates; None for fewer than two frames."""
         found = skating_balls(np.stack(self._balls)) if self._balls else np.zeros((0, 0), np.bool_)
         return float(found.mean()) if found.size else None
 

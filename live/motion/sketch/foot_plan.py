@@ -1,4 +1,4 @@
-"""When the feet of a sketch stand, leave and arrive, and on which of them the weight is (beats)."""
+"""Footstep timing of a sketch: stances, swings, flights and weight distribution (in beats)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,27 +14,27 @@ from live.motion.sketch.sketch_file import Key, Sketch
 Float = npt.NDArray[np.floating]
 
 ALWAYS: Final = 1000.0
-"""A beat later than any other; its negative is earlier."""
+"""A beat later than all others; its negative is earlier than all others."""
 _RISE: Final = 0.5
-"""How long a foot is on its way up to a key in the air, at most [beats]."""
+"""Maximum duration of a foot's rise to a key in the air [beats]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stance:
-    """One foot on one place, from the beat of its arrival to the beat on which it leaves."""
+    """One foot at one place, from its arrival to its departure [beats]."""
 
     arrive: float
     leave: float
     place: tuple[float, float, float]
-    """Out and forward from its home [m], turned out [rad]; as seen from the body."""
+    """Out and forward from its neutral place [m], turned out [rad], in body axes."""
     contacts: tuple[Key, ...]
-    """The keys that hold it there."""
+    """The keys of this stance."""
     air: tuple[Key, ...]
-    """The keys in the air on the way from here to the next place."""
+    """The keys in the air between this place and the next."""
     lift: float | None
-    """Height of the way to the next place [m], if it is said."""
+    """Height of the swing to the next place [m], if given."""
     number: int
-    """The same for the same stance of every repetition."""
+    """Index of the stance in the sketch, equal in every repetition."""
 
     @property
     def middle(self) -> float:
@@ -43,12 +43,12 @@ class Stance:
 
     @property
     def touches(self) -> bool:
-        """Whether the foot only touches, without weight."""
+        """Whether the foot only touches the floor, without weight."""
         return all("touch" in key.amounts for key in self.contacts)
 
 
 def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance]:
-    """The stances of a foot that cover the beats from `first` to `last`, with at least one more at each end."""
+    """Return the stances of a foot that cover the beats from `first` to `last`, with at least one more at each end."""
     keys = [(key.beat, key, number) for number, key in enumerate(sketch.parts.get(part, ()))]
     home = Key(0.0, {"home": 1.0})
     if not any(_on_floor(key) for _, key, _ in keys):
@@ -64,7 +64,7 @@ def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance
     result = _stances(events, sketch.swing)
     if len(result) == 1:
         return [replace(result[0], arrive=-ALWAYS)]
-    return result[1:-1] if sketch.cyclic else result  # the outermost ones are cut off by the window
+    return result[1:-1] if sketch.cyclic else result  # the outermost stances are incomplete
 
 
 def _on_floor(key: Key) -> bool:
@@ -72,7 +72,7 @@ def _on_floor(key: Key) -> bool:
 
 
 def place_of(key: Key) -> tuple[float, float, float]:
-    """Out and forward from home [m] and turned out [rad] of a foot's key."""
+    """Return out and forward from the neutral place [m] and turn-out [rad] of a foot's key."""
     amounts = key.amounts
     return amounts.get("out", 0.0), amounts.get("forward", 0.0), amounts.get("turn", 0.0)
 
@@ -102,7 +102,7 @@ def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]
 
 
 def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
-    """The stances, left later where the other foot would still be in the air: a step is no leap unless it says so."""
+    """Return the stances with later departures where the other foot is still in the air; leaps need explicit keys."""
     result = []
     for stance in own:
         landing = [b.arrive for a, b in pairwise(other) if a.leave - 1e-6 < stance.leave < b.arrive]
@@ -114,16 +114,16 @@ def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
 
 
 def flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]]:
-    """Beats (from, to) during which both feet are in the air."""
+    """Return beat ranges (from, to) in which both feet are in the air."""
     gaps = [[(a.leave, b.arrive) for a, b in pairwise(own) if a.air] for own in (left, right)]
     both = [(max(a, c), min(b, d)) for a, b in gaps[0] for c, d in gaps[1]]
     return [(start, end) for start, end in both if end - start > 0.08]
 
 
 def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
-    """Where the weight is at `beats` (T,): +1 on the left foot, -1 on the right, 0 on both (or in the air).
+    """Return the weight distribution at `beats` (T,): +1 left foot, -1 right foot, 0 both (or in the air).
 
-    More than 1 where one foot carries for long and must be right under the body.
+    Beyond ±1 in a long single support, where the foot must be directly under the body.
     """
     keys: list[tuple[float, float]] = []
     for own, sign in ((left, -1.0), (right, 1.0)):
@@ -145,13 +145,13 @@ def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
         if merged and at - merged[-1][0] < 0.02:
             merged[-1] = (merged[-1][0], 0.5 * (merged[-1][1] + value))
             continue
-        if merged and at - merged[-1][0] > 2.01:  # long on both feet: the weight comes back to the middle
+        if merged and at - merged[-1][0] > 2.01:  # long double support: the weight returns to the middle
             merged += [(merged[-1][0] + 0.8, 0.0), (at - 0.8, 0.0)]
         merged.append((at, value))
     if not merged:
         return np.zeros(len(beats))
     begin = merged[0][0] - 0.5
-    if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # it begins in the neutral stance
+    if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # the sketch begins in the neutral stance
         begin = min(max(begin, 0.0), merged[0][0] - 0.05)
     table = np.array([(begin, 0.0), *merged, (merged[-1][0] + 0.5, 0.0)])
     return through(table[:, 0], table[:, 1], beats)

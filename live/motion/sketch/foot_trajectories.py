@@ -1,4 +1,4 @@
-"""Where the feet of a sketch stand and how they get there: places, swings, roll (beats and metres)."""
+"""Foot trajectories of a sketch: world placement of stances, swings, and foot roll (beats and metres)."""
 
 import math
 from collections.abc import Callable
@@ -18,28 +18,28 @@ Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
 HOME_OUT: Final = 0.11
-"""Ankle of a foot in the neutral stance, from the middle [m]."""
+"""Lateral distance of the ankle from the middle in the neutral stance [m]."""
 HOME_FORWARD: Final = -0.03
 HOME_TURN: Final = math.radians(10.0)
-"""How far the toes point outwards in the neutral stance."""
+"""Turn-out of the toes in the neutral stance [rad]."""
 BALL_FORWARD: Final = float(SKELETON.offsets[SKELETON.index("leftToes"), 2])
 HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
-"""From the heel to the ball of the foot, the two points on which it rolls [m]."""
+"""Distance from heel to ball of the foot, the two pivots of its roll [m]."""
 _PIVOT: Final = math.radians(25.0)
 _AHEAD: Final = math.radians(30.0)
 _GAP: Final = 0.15
 _LEAST: Final = 0.025
 _MOST: Final = 0.12
-"""How high a foot is lifted that nobody has told, at least, and at most [m]."""
+"""Range of the lift of a swing without a given lift [m]."""
 _SOON: Final = 0.2
 _NEARLY: Final = 0.85
-"""So many beats after it leaves the floor, and before it comes down, a foot is at this share of its height."""
+"""_SOON beats after take-off and before landing a foot is at the share _NEARLY of its lift."""
 _LOW: Final = 0.05
-"""A foot lower than this [m] seems to slide where it moves over the floor."""
+"""A foot lower than this [m] appears to slide when it moves horizontally."""
 _NEAR: Final = 0.018
-"""It is no farther than this [m] from where it stood or will stand."""
+"""Maximum distance of a low foot from its previous or next place [m]."""
 _STRAIGHT: Final = 0.35
-"""Straight up, and straight down, take so much of the half of a swing at most, or of the way to a key in the air."""
+"""Maximum share of half a swing, or of the time to a key in the air, for vertical motion."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,25 +49,25 @@ class FootTrack:
     ball: Float
     """World position of the ball, projected on the floor [m], shape (T, 2) (x, z)."""
     height: Float
-    """Of the sole under the ball over the floor [m], (T,)."""
+    """Height of the sole at the ball above the floor [m], (T,)."""
     yaw: Float
     """Heading of the toes [rad], (T,)."""
     heel: Float
-    """Heel lifted about the ball [rad], (T,)."""
+    """Rotation of the heel about the ball [rad], (T,)."""
     toe: Float
-    """Toes lifted about the heel [rad], (T,)."""
+    """Rotation of the toes about the heel [rad], (T,)."""
     ground: Float
-    """Where it carries or is about to carry the body, under the ankle or, with the heel up, the ball [m], (T, 2)."""
+    """Current or next support point, under the ankle or, with the heel up, the ball [m], (T, 2)."""
     contact: Bool
     firm: Float
-    """1 while it stands, 0 in the air, smooth between, (T,)."""
+    """1 in stance, 0 in the air, smooth between, (T,)."""
     free: Float
-    """1 where a key leads it through the air and the pelvis need not follow, else 0, smooth between, (T,)."""
+    """1 in a swing through keys in the air, which the pelvis need not follow, else 0, smooth between, (T,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """How the body as a whole goes: its facing [rad] at given beats, and its displacement per beat [m] (x, z)."""
+    """Path of the whole body: its facing [rad] at given beats, and its displacement per beat [m] (x, z)."""
 
     facing: Callable[[Float], Float]
     per_beat: tuple[float, float]
@@ -86,9 +86,9 @@ class Path:
         )
 
     def standing(self, own: list[Stance]) -> tuple[Float, Float]:
-        """Beat on which the body is over each stance (K,), and the facing that its foot is set down for (K,).
+        """Return the beat on which the body is over each stance (K,), and the body facing for which it is placed (K,).
 
-        A foot is set down for the facing in the middle of its time, but turns ahead of the body by 30° at most.
+        A foot is placed for the facing at the middle of its stance, at most 30° ahead of the body on arrival.
         """
         middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
         arrivals = np.array([max(stance.arrive, -ALWAYS / 4) for stance in own])
@@ -97,15 +97,15 @@ class Path:
 
 
 def placed(path: Path, own: list[Stance], side: float) -> Float:
-    """World ankle x, z and heading (K, 3) of each stance: right under the body in the middle of its time."""
+    """Return world ankle x, z and heading (K, 3) of each stance: directly under the body at its middle."""
     middles, facing = path.standing(own)
     return path.world(middles, facing, np.array([stance.place for stance in own]), side)
 
 
 def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right_world: Float) -> None:
-    """Shift stances along x, in place, so that a step that travels sideways does not run through the other leg.
+    """Shift stances along x, in place, so that the legs do not cross in a step that travels sideways.
 
-    Feet that stand at the same time keep 15 cm, or what the sketch itself asks for; both give way alike.
+    Feet planted at the same time keep 15 cm, or the sketch's own distance; both are shifted equally.
     """
     pairs = [
         (i, j, min(_GAP, 2.0 * HOME_OUT + a.place[0] + b.place[0]))
@@ -117,13 +117,13 @@ def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right
         return
     i, j = np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
     gap = np.array([pair[2] for pair in pairs])
-    # the same stance of every repetition moves alike
+    # the same stance moves equally in every repetition
     numbers = [np.unique([stance.number for stance in own], return_inverse=True)[1] for own in (left, right)]
     for _ in range(200):
         lack = np.maximum(gap - left_world[i, 0] + right_world[j, 0], 0.0)
         if lack.max() < 1e-4:
             break
-        # all give way at once, so that steps that are alike stay alike
+        # all stances move at once, so that equal steps stay equal
         for world, own, pair, way in ((left_world, numbers[0], i, 0.5), (right_world, numbers[1], j, -0.5)):
             most = np.zeros(own.max() + 1)
             np.maximum.at(most, own[pair], lack)
@@ -133,7 +133,7 @@ def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right
 def track(
     path: Path, own: list[Stance], world: Float, side: float, beats: Float, leaps: list[tuple[float, float]]
 ) -> FootTrack:
-    """The foot's way at `beats` (T,) through its stances, which stand at `world` (K, 3); `leaps` as `flights` says."""
+    """Return the foot's trajectory at `beats` (T,) through stances at `world` (K, 3); `leaps` as from `flights`."""
     ball = world.copy()
     ball[:, 0] += BALL_FORWARD * np.sin(world[:, 2])
     ball[:, 1] += BALL_FORWARD * np.cos(world[:, 2])
@@ -174,7 +174,7 @@ def track(
 
 
 def _heights(own: list[Stance], world: Float) -> Float:
-    """Beats and heights of the sole [m] through all stances and swings, (K, 2)."""
+    """Return beats and heights of the sole [m] through all stances and swings, (K, 2)."""
     heights = []
     for index, stance in enumerate(own):
         heights += [(stance.arrive, 0.0), (min(stance.leave, ALWAYS), 0.0)]
@@ -186,11 +186,11 @@ def _heights(own: list[Stance], world: Float) -> Float:
 
 
 def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tuple[float, float]:
-    """For how many beats a foot goes straight up before it sets out, and straight down when it has got there.
+    """Return for how many beats a foot moves vertically after take-off and before landing.
 
-    So long that it is within _NEAR of its place as long as it is low: a foot that goes ahead over the floor skates
-    (GMD). `up` (K, 2) as `_heights` says; `ways` (M, 3) beat, x and z [m] on its way from where it leaves to where it
-    arrives. One that is led through the air low sets out at once.
+    The foot stays within _NEAR of its place while it is low; otherwise it would skate (GMD). `up` (K, 2) as from
+    `_heights`; `ways` (M, 3) beat, x and z [m] from departure to arrival. A foot with low keys in the air moves
+    horizontally at once.
     """
     middle = 0.5 * (leave + arrive)
     straight = []
@@ -199,7 +199,7 @@ def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tupl
         at = np.linspace(0.0, span, 65)
         high = through(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW
         low = at[int(np.argmax(high))]
-        # a curve that leaves its key flat is at 3 u² of its way when u of its time has passed, or less
+        # a curve with zero slope at its key has covered at most 3 u² of its distance after the share u of its time
         near = math.sqrt(_NEAR / 3.0 / max(math.hypot(*(there - here)[1:]), _NEAR))
         near *= span if len(ways) > 2 else 2.0 * span
         straight.append(min(max(low - near, 0.0), _STRAIGHT * span))
@@ -207,7 +207,7 @@ def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tupl
 
 
 def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> Float:
-    """Beat, ball x, z and heading (K, 4) on the way through keys in the air, led around with a body that turns."""
+    """Return beat, ball x, z and heading (K, 4) of keys in the air, with extra points if the body turns."""
     keys = [(stance.leave, *stance.place), *[(key.beat, *place_of(key)) for key in stance.air]]
     table = np.array([*keys, (following.arrive, *following.place)])
     turned = float(np.ptp(path.facing(table[:, 0])))
@@ -223,7 +223,7 @@ def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> F
 
 
 def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float) -> list[tuple[float, float]]:
-    """Beats and heights [m] of a swing from `start` to `end`: up soon, down late: no foot skims the floor."""
+    """Return beats and heights [m] of a swing from `start` to `end`: early rise, late descent, so it does not skim."""
     span = following.arrive - stance.leave
     lift = _lift(stance, math.hypot(end[0] - start[0], end[1] - start[1]))
     soon = min(_SOON, 0.4 * span)
@@ -235,12 +235,12 @@ def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float)
 
 
 def _lift(stance: Stance, way: float) -> float:
-    """How high a foot is lifted that goes `way` [m]: as told, but over 5 cm where it goes fast (GMD's skating)."""
+    """Return the lift of a swing over `way` [m]: as given, but over 5 cm for fast swings (GMD's skating)."""
     return max(_LEAST if stance.lift is None else stance.lift, min(0.5 * way, 0.055 + 0.08 * way, _MOST))
 
 
 def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
-    """Turn of the foot on its ball where the body turns on by more than the hips allow."""
+    """Return the pivot of the foot on its ball where the body turns further than the hips allow."""
     times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
     twist = path.facing(beats) - through(times, np.repeat(path.standing(own)[1], 2), beats)
     on_ball = [0.0 if any(_said_toe(key) for key in stance.contacts) else 1.0 for stance in own]
@@ -265,7 +265,7 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
         if index + 1 == len(own):
             break
         away = math.hypot(*(world[index + 1] - world[index])[:2])
-        if _said_toe(stance.contacts[-1]) > 0.0:  # it leaves from the heel
+        if _said_toe(stance.contacts[-1]) > 0.0:  # the foot leaves from the heel
             keys.append((stance.leave, 0.0))
             continue
         roll = math.radians(35.0) if leaping else math.radians(min(10.0 + 55.0 * away, 32.0))
@@ -278,7 +278,7 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
 
 
 def _rolls(stance: Stance, said: Callable[[Key], float]) -> list[tuple[float, float]]:
-    """Beats and angles that a stance is told, flat on the floor on the way from the heel to the toes and back."""
+    """Return beats and angles of a stance's keys, with a flat foot between heel and toe keys."""
     rolls = [(stance.contacts[0].beat, said(stance.contacts[0]))]
     for before, after in pairwise(stance.contacts):
         if (_said_heel(before) and _said_toe(after)) or (_said_toe(before) and _said_heel(after)):
@@ -316,7 +316,7 @@ def _angles(keys: list[tuple[float, float]], beats: Float) -> Float:
 
 
 def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
-    """1 in stances, 0 in the middle of swings through keys in the air, `plain` in the middle of all others, (T,)."""
+    """Return 1 in stances, 0 in the middle of swings through keys in the air, `plain` in that of others, (T,)."""
     keys: list[tuple[float, float]] = []
     for index, stance in enumerate(own):
         if index:

@@ -1,7 +1,7 @@
-"""Takes: the measures of a sketched phrase that are steps of their own, each with what is said of it (T042, T136).
+"""Takes: runs of measures of a sketched phrase that become separate steps with attributes (T042, T136).
 
-A dancer who is recorded once does a step several times over, from other poses into other poses. A sketch does the same:
-one phrase that repeats, and a `[[take]]` for every run of measures in it that is a variation of the step.
+A recorded dancer repeats a step several times with different begin and end poses. Likewise a sketch is one repeating
+phrase with a `[[take]]` table for every run of measures that is a variation of the step.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +16,7 @@ MAX_TAKES: Final = 32
 _FIELDS: Final = ("measures", *ATTRIBUTES)
 
 Complain = Callable[[KeyPath, str, str], Exception]
-"""Makes an error of the path of a field, the problem and the remedy."""
+"""Creates an error from the path of a field, the problem and the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,17 +24,17 @@ class Take:
     """A run of measures of the phrase."""
 
     first: int
-    """Its first measure, from 0."""
+    """First measure, from 0."""
     measures: int
     attributes: Mapping[str, Any]
-    """What is said of it, over what is said of the whole file (see `sketch_attributes`)."""
+    """Attributes that override those of the whole file (see `sketch_attributes`)."""
 
 
 def read_takes(table: Mapping[str, Any], measures: int, error: Complain) -> tuple[Take, ...]:
-    """The takes in the TOML `table` of a sketch with that many `measures`; raises what `error` makes of a wrong one."""
+    """Return the takes in the TOML `table` of a sketch of `measures` measures; raises `error(...)` for a wrong one."""
     rows = table.get("take", [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows) or len(rows) > MAX_TAKES:
-        raise error(("take",), "is no list of takes", f"write up to {MAX_TAKES} tables [[take]]")
+        raise error(("take",), "is not a list of takes", f"write up to {MAX_TAKES} tables [[take]]")
     return tuple(_read_take(row, index, measures, error) for index, row in enumerate(rows))
 
 
@@ -55,7 +55,7 @@ def _read_take(row: Mapping[str, Any], index: int, measures: int, error: Complai
 
 
 def read_directions(table: Mapping[str, Any], error: Complain) -> tuple[str, ...]:
-    """The directions of T131 in which the step is danced, in their own order: all of them if nothing is said (T134)."""
+    """Return the directions of T131 of the step, in the order of DIRECTIONS; all if none are given (T134)."""
     names = table.get("directions")
     if names is None:
         return DIRECTIONS

@@ -1,4 +1,4 @@
-"""What a sketch says about its step beside the motion: structure (T135, T136), author, style, tags (T040)."""
+"""Step attributes in a sketch besides the motion: structure (T135, T136), author, style, tags (T040)."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -12,7 +12,7 @@ MAX_TAGS: Final = 64
 
 
 def read_attributes(table: Mapping[str, Any], error: Callable[[KeyPath, str, str], Exception]) -> dict[str, Any]:
-    """The attributes in the TOML `table` of a sketch, ready for StepClip; raises what `error` makes of a wrong one.
+    """Return the attributes in the TOML `table` of a sketch as StepClip fields; raises `error(...)` for a wrong one.
 
     `error` takes the path of the field, the problem and the remedy.
     """

@@ -1,4 +1,4 @@
-"""From a sketch to step clips: every direction of T131, and the other side of the body (T042)."""
+"""Conversion of a sketch to step clips: every direction of T131, also mirrored (T042)."""
 
 from dataclasses import replace
 from typing import Final
@@ -19,19 +19,18 @@ from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance
 Float = npt.NDArray[np.floating]
 
 TAIL_SAMPLES: Final = 8
-"""Samples after the last measure, so that reading at its very end needs no special case."""
+"""Samples after the last measure, so that reading at its end needs no special case."""
 _MARGIN_BEATS: Final = 2.0
-"""Beats computed and thrown away at both ends, in which the filters settle."""
+"""Beats computed and discarded at both ends, in which the filters settle."""
 _TOLERANCE: Final = 0.003
 _UNIT: Final = {"forward": (0.0, 1.0), "back": (0.0, -1.0), "left": (1.0, 0.0), "right": (-1.0, 0.0)}
 
 
 def step_clips(sketch: Sketch) -> list[StepClip]:
-    """All variations of a step: its directions if it travels, each of its takes, and each also mirrored (T042).
+    """Return all variations of a step: its directions if it travels, each of its takes, each also mirrored (T042).
 
-    Each begins with a whole measure of lead-in. Takes come in the order of the file, their directions in that of
-    DIRECTIONS, the mirrored ones after all others in the same order. Raises SketchError if legs cannot reach what is
-    asked.
+    Each begins with a whole measure of lead-in. Takes are in file order, directions in the order of DIRECTIONS, and
+    mirrored clips follow all others in the same order. Raises SketchError if a leg cannot reach its place.
     """
     directions = sketch.directions if sketch.travels else DIRECTIONS[:1]
     whole = [step_clip(sketch, direction) for direction in directions]
@@ -46,7 +45,7 @@ def step_clips(sketch: Sketch) -> list[StepClip]:
 
 
 def cut_take(step: StepClip, take: Take) -> StepClip:
-    """The measures of a phrase that are a step of their own, with the measure before them as lead-in (T039)."""
+    """Return a take as a separate step, with the measure before it as lead-in (T039)."""
     size = round(step.samples_per_measure)
     begin = take.first * size
     part = slice(begin, begin + (1 + take.measures) * size + 1 + TAIL_SAMPLES)
@@ -63,7 +62,7 @@ def cut_take(step: StepClip, take: Take) -> StepClip:
 
 
 def displacement(sketch: Sketch, direction: str) -> tuple[float, float]:
-    """How far the whole step goes [m] in x and z; the dancer faces +z, her right is -x."""
+    """Return the displacement of the whole step [m] in x and z; the dancer faces +z, the right side is -x."""
     if direction == "in place":
         return 0.0, 0.0
     length, _, way = direction.partition(" ")
@@ -72,7 +71,7 @@ def displacement(sketch: Sketch, direction: str) -> tuple[float, float]:
 
 
 def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
-    """One variation, as sketched (not mirrored), with `SAMPLES_PER_BEAT` samples a beat."""
+    """Return one variation, not mirrored, with `SAMPLES_PER_BEAT` samples per beat."""
     lead = sketch.beats_per_measure
     first = lead * SAMPLES_PER_BEAT
     count = first + sketch.beats * SAMPLES_PER_BEAT + 1 + TAIL_SAMPLES
@@ -119,7 +118,7 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
 
 
 def _check_reach(sketch: Sketch, direction: str, beats: Float, short: Float) -> None:
-    """Raise SketchError if an ankle stays `short` (T, 2) of the place on which its foot should stand [m]."""
+    """Raise SketchError if an ankle misses its place; `short` (T, 2) are the distances [m]."""
     sample, foot = np.unravel_index(int(np.argmax(short)), short.shape)
     if short[sample, foot] < _TOLERANCE:
         return

@@ -1,6 +1,6 @@
-"""Sketch: a danced step as a person writes it, a few keys a measure; read from TOML and checked here.
+"""Reader for sketches: dance steps written by hand in TOML with a few keys per measure.
 
-What is written is described in `patches/steps/README.md`; `live.motion.sketch.sketch_clips` turns it into clips.
+The format is described in `patches/steps/README.md`; `live.motion.sketch.sketch_clips` converts sketches to clips.
 """
 
 import math
@@ -19,14 +19,14 @@ MAX_BEATS: Final = 64
 MAX_KEYS: Final = 100
 MAX_TEXT: Final = 200_000
 SHORTEST: Final = 0.08
-"""Least time between two counts of one part [beats]."""
+"""Minimum time between two counts of one part [beats]."""
 LIMBS: Final = ("left_hand", "right_hand", "left_foot", "right_foot")
 MIRRORED_CHANNELS: Final = frozenset({"left", "turn", "tilt"})
-"""Channels of the trunk that change their sign on the other side of the body."""
+"""Channels of the trunk whose sign changes when mirrored."""
 
 
 class SketchError(ValueError):
-    """A sketch that cannot be danced; one line that names the file, the line, the field and the remedy."""
+    """A sketch that cannot be used; the message is one line with file, line, field, problem and remedy."""
 
     def __init__(self, file: str, line: int, field: str, problem: str, remedy: str) -> None:
         super().__init__(f"{file}:{line}: {field}: {problem}; {remedy}")
@@ -39,12 +39,12 @@ class SketchError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """What one part does on one count."""
+    """The amounts of one part on one count."""
 
     beat: float
-    """Beats from the step's beginning, from 0."""
+    """Beats from the start of the step, from 0."""
     amounts: Mapping[str, float]
-    """Channel → metres, radians or 1 for a flag (see `sketch_words`)."""
+    """Channel → metres, radians or 1 for a flag (see `sketch_notation`)."""
     line: int = 0
 
 
@@ -59,7 +59,7 @@ class Sketch:
     bpm: float = 112.0
     travels: bool = False
     directions: tuple[str, ...] = DIRECTIONS
-    """Of the nine those in which it is danced if it travels; its mirror image in their mirror images (T134)."""
+    """Directions of a travelling step, among the nine; the mirrored step has the mirrored directions (T134)."""
     mirror: bool = True
     cyclic: bool = True
     short: float = 0.35
@@ -67,24 +67,24 @@ class Sketch:
     long: float = 0.75
     """Metres per measure of the long directions (T131)."""
     bounce: float = 0.03
-    """How far the pelvis goes down on each beat [m] where no line of [pelvis] says up or down."""
+    """Lowering of the pelvis on each beat [m] if no line of [pelvis] has up or down."""
     swing: float = 0.7
-    """How long a foot is in the air at most on its way to the next place [beats]."""
+    """Maximum duration of a swing to the next place [beats]."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    """What else is said of the step, by the names of StepClip's fields (see `sketch_attributes`)."""
+    """Further attributes by the names of StepClip's fields (see `sketch_attributes`)."""
     takes: tuple[Take, ...] = ()
-    """The runs of measures that are steps of their own; none: the whole is one step."""
+    """Runs of measures that are separate steps; if empty, the whole is one step."""
     parts: Mapping[str, tuple[Key, ...]] = field(default_factory=dict)
-    """Part → its keys in the order of their beats."""
+    """Part → its keys in the order of beats."""
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
 
     def error(self, part: str, problem: str, remedy: str) -> SketchError:
-        """An error that names the line of `part` (a field or a table of the file)."""
+        """Return an error with the line of `part` (a field or a table of the file)."""
         return SketchError(self.file, line_of(dict(self.lines), (part,)), part, problem, remedy)
 
 
 _NUMBERS: Final[Mapping[str, tuple[float, float, float]]] = {
-    # field: least, most, factor from what is written to what the engine holds
+    # field: minimum, maximum, factor from the written value to the engine's unit
     "bpm": (30.0, 300.0, 1.0),
     "short": (0.05, 3.0, 1.0),
     "long": (0.05, 3.0, 1.0),
@@ -96,7 +96,7 @@ _SWITCHES: Final = ("travels", "mirror", "cyclic", "alternate")
 
 
 def parse_sketch(text: str, file: str) -> Sketch:
-    """The sketch written in the TOML `text` of `file`; raises SketchError at the first thing that is wrong."""
+    """Parse the TOML `text` of `file`; raises SketchError at the first error."""
     if len(text) > MAX_TEXT:
         raise SketchError(file, 1, "file", f"{len(text)} characters are too many", f"at most {MAX_TEXT}")
     try:
@@ -270,7 +270,7 @@ class _Reader:
 
 
 def _in_order(keys: list[Key]) -> tuple[Key, ...]:
-    """By their beats; what several lines say of the same count becomes one key."""
+    """Return the keys sorted by beat; keys of the same count are merged."""
     merged: list[Key] = []
     for key in sorted(keys, key=lambda key: key.beat):
         if merged and key.beat - merged[-1].beat < 1e-6:
@@ -281,7 +281,7 @@ def _in_order(keys: list[Key]) -> tuple[Key, ...]:
 
 
 def _alternated(parts: dict[str, list[Key]], half: float) -> dict[str, list[Key]]:
-    """The keys of the first half, and after them the same ones on the other side of the body."""
+    """Return the keys of the first half followed by the same keys mirrored."""
     whole: dict[str, list[Key]] = {part: list(keys) for part, keys in parts.items()}
     for part, keys in parts.items():
         side, _, limb = part.partition("_")

@@ -1,6 +1,6 @@
-"""The dancer's own words in a sketch: counts ("2&") and what a part does on them ("out 18, forward 4").
+"""Parser for the notation of sketches: counts ("2&") and phrases of a part ("out 18, forward 4").
 
-Amounts leave this file in metres and radians. Sides are the dancer's own: her left, and `out` = away from her body.
+Amounts are converted to metres and radians. Sides are the dancer's left and right; `out` is away from the body.
 """
 
 import difflib
@@ -16,7 +16,7 @@ MAX_DEGREES: Final = 180.0
 MAX_BODY_DEGREES: Final = 1080.0
 
 Words = Mapping[str, tuple[str, float]]
-"""Phrase → the channel it moves and the factor from the written number to metres or radians; 0: takes no number."""
+"""Phrase → its channel and the factor from the written number to metres or radians; 0 for words without a number."""
 
 _SHIFT: Final = {
     "up": ("up", CENTIMETRE),
@@ -84,10 +84,10 @@ PARTS: Final[Mapping[str, Words]] = {
     "left_foot": _foot(1.0),
     "right_foot": _foot(-1.0),
 }
-"""The words that each part of the body understands."""
+"""The words of each part of the body."""
 
 PAIRS: Final = {"shoulders": "shoulder", "hands": "hand", "feet": "foot"}
-"""Tables that speak of both sides at once; there `left` and `right` would be ambiguous and are not understood."""
+"""Tables for both sides at once, without the ambiguous words `left` and `right`."""
 
 _COUNT: Final = re.compile(r"(\d{1,3})(&|e|a|\.\d{1,6})?")
 _FRACTION: Final = {None: 0.0, "&": 0.5, "e": 0.25, "a": 0.75}
@@ -95,7 +95,7 @@ _NUMBER: Final = re.compile(r"[+-]?\d{1,9}(\.\d{0,9})?")
 
 
 class WordError(ValueError):
-    """A count or a phrase that is not understood: what is wrong, and how to better it."""
+    """An invalid count or phrase, with problem and remedy."""
 
     def __init__(self, problem: str, remedy: str) -> None:
         super().__init__(problem)
@@ -104,7 +104,7 @@ class WordError(ValueError):
 
 
 def read_counts(text: str, beats: float) -> list[float]:
-    """Beats from 0 of one or several counts, e.g. ``"1"``, ``"2&"`` or ``"1e 2e 3.33"``; raises WordError."""
+    """Return beats from 0 of one or several counts, e.g. ``"1"``, ``"2&"`` or ``"1e 2e 3.33"``; raises WordError."""
     counts = text.replace(",", " ").split()
     if not counts:
         raise WordError("names no count", 'write the count as "1", "1&", "1e", "1a" or "2.33"')

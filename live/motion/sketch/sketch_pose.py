@@ -1,4 +1,4 @@
-"""From the channels and foot tracks of a sketch to a pose for every sample: pelvis, spine, head, arms, legs."""
+"""Full-body poses from the channels and foot tracks of a sketch: pelvis, spine, head, arms, legs."""
 
 import math
 from typing import Final
@@ -36,16 +36,16 @@ STANDING: Final = float(SKELETON.offsets[0, 1]) - 0.03
 """Height of the hips in the neutral stance, knees soft [m]."""
 GRAVITY: Final = 9.81
 _SHIFT: Final = 0.55
-"""Share of the way from the middle to the standing foot that the pelvis takes."""
+"""Share of the distance from the middle to the supporting foot by which the pelvis shifts."""
 _WIDEST: Final = 0.62
-"""How far a foot may stand to the side of the pelvis [m]."""
+"""Maximum lateral distance of a foot from the pelvis [m]."""
 _LEFT_RIGHT: Final = ((1.0, "left"), (-1.0, "right"))
 
 
 def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
-    """Root positions (T, 3) and local rotations (T, J, 4) of the whole dancer, at all samples of `ground`.
+    """Return root positions (T, 3) and local rotations (T, J, 4) of the dancer at all samples of `ground`.
 
-    The third is how far each ankle stays short of its place [m], (T, 2), left and right.
+    The third value is the distance by which each ankle misses its place [m], (T, 2), left and right.
     """
     count = len(ground.beats)
     pose = Pose(np.zeros((count, JOINT_COUNT, 3)), np.zeros((count, JOINT_COUNT, 4)))
@@ -75,11 +75,11 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
     apart = 0.5 * (ground.left.ground - ground.right.ground)
     sideways = np.zeros(1) if "left" in pelvis.named else weight
     if np.ptp(ground.facing) < 1.0:
-        # the weight goes over the standing foot sideways; forwards only the middle of both feet is followed
+        # laterally the pelvis shifts over the supporting foot; forwards it follows only the middle of both feet
         side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
         apart = side * np.sum(apart * side, axis=1, keepdims=True)
     over = smoothed(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
-    # in a wide stance it stays near enough to the middle for both legs to reach the floor
+    # in a wide stance the pelvis stays near enough to the middle for both legs to reach the floor
     room = np.maximum(_WIDEST - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
     over = over * room / (room**4 + np.sum(over * over, axis=1, keepdims=True) ** 2) ** 0.25
     middle = smoothed(middle, 0.22 * SAMPLES_PER_BEAT) + over
@@ -88,7 +88,7 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
     position[:, 0] = middle[:, 0] + shift[:, 0]
     position[:, 2] = middle[:, 1] + shift[:, 2]
     height = STANDING + _rise(sketch, ground, pelvis)
-    ahead = -0.25 * np.clip(STANDING - height, 0.0, 0.25)  # who bends her knees takes the seat back
+    ahead = -0.25 * np.clip(STANDING - height, 0.0, 0.25)  # bent knees move the pelvis back
     position[:, 0] += ahead * np.sin(ground.facing)
     position[:, 2] += ahead * np.cos(ground.facing)
     for track, name in ((ground.left, "left"), (ground.right, "right")):
@@ -99,7 +99,7 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
 
 
 def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
-    """Height of the pelvis over the neutral stance [m], with free flight where both feet are in the air."""
+    """Return the height of the pelvis above the neutral stance [m], ballistic while both feet are in the air."""
     beats = ground.beats
     keys = [(key.beat, key.amounts.get("up", 0.0)) for key in pelvis.keys if {"up", "neutral"} & set(key.amounts)]
     if not ground.flights:
@@ -133,7 +133,7 @@ def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
 
 
 def _ankle(track: FootTrack) -> tuple[Float, Float]:
-    """World position of the ankle (T, 3) and rotation of the foot (T, 4), rolled over ball and heel."""
+    """Return the ankle's world position (T, 3) and the foot's rotation (T, 4), rolled over ball and heel."""
     yaw = about(Y_AXIS, track.yaw)
     heel_to_ball, ball_to_ankle = np.array((0.0, 0.02, 0.18)), -offset_of("leftToes")
     toe = about(X_AXIS, -track.toe)
@@ -149,7 +149,7 @@ def _leg_length() -> tuple[float, float]:
 
 
 def _reach(track: FootTrack, name: str, pelvis: Float, rotation: Float) -> Float:
-    """The greatest height of the pelvis at which this leg still reaches its place [m], (T,)."""
+    """Return the maximum height of the pelvis at which this leg reaches its place [m], (T,)."""
     hip = quaternion.rotate(rotation, offset_of(f"{name}UpperLeg"))
     ankle, _ = _ankle(track)
     away = ankle - pelvis - hip
@@ -192,7 +192,7 @@ def _pose_trunk(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) ->
     upright = turned(ground.facing + turn, lean, tilt)
     _, hips = pose.of("hips")
     bend = quaternion.mul(quaternion.inverse(hips), upright)
-    # a shift of the rib cage is an S of the spine: bent at its foot, bent back at its top
+    # a shift of the rib cage bends the spine into an S: bent at the bottom, bent back at the top
     side, front = (
         np.arcsin(np.clip(chest["left"] / 0.245, -0.8, 0.8)),
         np.arcsin(np.clip(chest["forward"] / 0.25, -0.8, 0.8)),

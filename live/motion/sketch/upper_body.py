@@ -1,8 +1,6 @@
-"""The arms of a sketch: led by keys, or hanging with a counter-swing, always trailing the body a little.
+"""Building blocks for the poses of a sketch: key channels as smooth functions of beats, the pose, and the arms.
 
-The amounts of a sketch's keys as smooth functions of musical time.
-
-A pose of all samples at once while a sketch is turned into one, and what it rests on.
+Arms follow their keys or hang with a counter-swing, and lag slightly behind the body.
 """
 
 import math
@@ -23,11 +21,11 @@ Float = npt.NDArray[np.floating]
 
 SAMPLES_PER_BEAT: Final = 32
 _SOFT: Final = 0.05 * SAMPLES_PER_BEAT
-"""Rounds the accelerations of a key without moving it in time (standard deviation, in samples)."""
+"""Standard deviation [samples] of the smoothing of keys; it does not shift them in time."""
 
 
 class Channels:
-    """The amounts of one part at `beats` (T,), by channel; a channel that no line names is all zero."""
+    """The amounts of one part at `beats` (T,) by channel; channels without keys are zero."""
 
     def __init__(self, sketch: Sketch, part: str, beats: Float) -> None:
         self.keys = sketch.parts.get(part, ())
@@ -48,7 +46,7 @@ def _says(key: Key, channel: str) -> bool:
 
 
 def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tuple[Float, Float]:
-    """Times and values of keys (beat, amount) repeated over `beats`, or led from zero and back if not cyclic."""
+    """Return times and values of keys (beat, amount) repeated over `beats`, or from and to zero if not cyclic."""
     if sketch.cyclic:
         table = np.array(keys)
         return repeated(table[:, 0], table[:, 1], sketch.beats, 0.0, beats)
@@ -57,7 +55,7 @@ def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tup
 
 
 def facing_keys(sketch: Sketch) -> tuple[Float, float]:
-    """Keys (K, 2) of the whole body's facing (beat, rad), and how far it has turned after the step."""
+    """Return keys (K, 2) of the whole body's facing (beat, rad), and its total turn over the step."""
     keys = [(key.beat, key.amounts["turn"]) for key in sketch.parts.get("body", ()) if "turn" in key.amounts]
     if not keys or keys[0][0] > 0.0:
         keys.insert(0, (0.0, 0.0))
@@ -65,7 +63,7 @@ def facing_keys(sketch: Sketch) -> tuple[Float, float]:
 
 
 def facing(sketch: Sketch, at: Float) -> Float:
-    """Facing of the whole body [rad] at the beats `at` (K,), going on from one repetition to the next."""
+    """Return the facing of the whole body [rad] at the beats `at` (K,), accumulated over repetitions."""
     keys, turned = facing_keys(sketch)
     if len(keys) == 1:
         return np.full(len(at), keys[0, 1])
@@ -80,27 +78,27 @@ X_AXIS, Y_AXIS, Z_AXIS = np.eye(3)
 
 
 def joint_index(name: str) -> int:
-    """Index of a joint of the engine's skeleton."""
+    """Return the index of a joint of the engine's skeleton."""
     return SKELETON.index(name)
 
 
 def offset_of(name: str) -> Float:
-    """From the parent to the joint in the rest pose [m], (3,)."""
+    """Return the joint's offset from its parent in the rest pose [m], (3,)."""
     return np.asarray(SKELETON.offsets[joint_index(name)], np.float64)
 
 
 def about(axis: Float, angle: Float) -> Float:
-    """Rotations (T, 4) by `angle` [rad] (T,) about a fixed axis (3,)."""
+    """Return rotations (T, 4) by `angle` [rad] (T,) about a fixed axis (3,)."""
     return quaternion.from_axis_angle(axis, angle)
 
 
 def turned(turn: Float, lean: Float, tilt: Float) -> Float:
-    """Turn (left positive) about the vertical, lean forward, tilt to the left: angles (T,) → rotations (T, 4)."""
+    """Return rotations (T, 4) of angles (T,): turn (left positive) about the vertical, lean forward, tilt left."""
     return quaternion.mul(about(Y_AXIS, turn), quaternion.mul(about(X_AXIS, lean), about(Z_AXIS, -tilt)))
 
 
 def share_of(rotation: Float, share: float) -> Float:
-    """The given share of a rotation, (T, 4)."""
+    """Return the given share of a rotation, (T, 4)."""
     return quaternion.slerp(
         np.broadcast_to(np.array(quaternion.IDENTITY), rotation.shape), rotation, np.full(len(rotation), share)
     )
@@ -108,13 +106,13 @@ def share_of(rotation: Float, share: float) -> Float:
 
 @dataclass(slots=True, eq=False)
 class Pose:
-    """World positions and rotations of the joints while a pose is put together, (T, J, 3) and (T, J, 4)."""
+    """World positions and rotations of the joints while a pose is built, (T, J, 3) and (T, J, 4)."""
 
     position: Float
     rotation: Float
 
     def attach(self, name: str, rotation: Float) -> Float:
-        """Hang the joint on its parent with the given world rotation; its world position (T, 3)."""
+        """Attach the joint to its parent with the given world rotation; return its world position (T, 3)."""
         joint = joint_index(name)
         parent = int(SKELETON.parents[joint])
         offset = quaternion.rotate(self.rotation[:, parent], offset_of(name))
@@ -123,13 +121,13 @@ class Pose:
         return self.position[:, joint]
 
     def of(self, name: str) -> tuple[Float, Float]:
-        """World position and rotation of a joint."""
+        """Return world position and rotation of a joint."""
         return self.position[:, joint_index(name)], self.rotation[:, joint_index(name)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """What the feet give to the body over T samples."""
+    """Foot tracks, facing and weight distribution over T samples, the input for the body pose."""
 
     beats: Float
     facing: Float
@@ -140,13 +138,13 @@ class Ground:
 
 
 def stride_of(ground: Ground) -> Float:
-    """How far the left foot stands before the right one, as the dancer sees it [m], (T,)."""
+    """Return how far the left foot is in front of the right one in body axes [m], (T,)."""
     apart = ground.left.ground - ground.right.ground
     return np.asarray(apart[:, 0] * np.sin(ground.facing) + apart[:, 1] * np.cos(ground.facing))
 
 
 _REST_HAND: Final = np.array((0.115, -0.44, 0.075))
-"""Where a relaxed hand hangs from its shoulder: out, up, forward [m]."""
+"""Position of a relaxed hand relative to its shoulder: out, up, forward [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +154,7 @@ class _Hand:
     elbow: Float
     wrist: Float
     keyed: Float
-    """1 where the sketch leads the hand, 0 where it hangs, (T,)."""
+    """1 where keys set the hand, 0 where it hangs, (T,)."""
 
 
 def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
@@ -188,7 +186,7 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
     hand = _hand(sketch, f"{name}_hand", ground.beats)
     _, chest = pose.of("upperChest")
     swing = -side * 0.75 * np.tanh(followed(stride_of(ground), 0.55 * SAMPLES_PER_BEAT, 0.6) / 0.6) * (1.0 - hand.keyed)
-    place = hand.place * (1.0 - 0.25 * np.maximum(swing, 0.0))[:, None]  # the elbow bends on the way forward
+    place = hand.place * (1.0 - 0.25 * np.maximum(swing, 0.0))[:, None]  # the elbow bends in the forward swing
     place = quaternion.rotate(about(X_AXIS, -swing), place * (side, 1.0, 1.0))
     shoulder = Channels(sketch, f"{name}_shoulder", ground.beats)
     high = np.clip((place[:, 1] + 0.25) / 0.7, 0.0, 1.0)
@@ -213,7 +211,7 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
 
 
 def _trailing(forearm: Float, wrist: Float, side: float) -> Float:
-    """The hand's rotation (T, 4): the forearm's, bent by `wrist` [rad] and dragged behind quick movements."""
+    """Return the hand's rotation (T, 4): the forearm's, bent by `wrist` [rad], lagging behind fast motion."""
     along = quaternion.rotate(forearm, side * X_AXIS)
     late = quaternion.unit(followed(along, 0.35 * SAMPLES_PER_BEAT, 0.6))
     drag = share_of(quaternion.from_two_vectors(along, late), 0.6)

@@ -43,7 +43,7 @@ def test_all_keys_as_json(walk: Path, tmp_path: Path) -> None:
     assert facts["travel_m"] == pytest.approx(1.2)
     assert list(facts["mapped"]) == list(SKELETON.names)
     assert facts["mapped"]["leftUpperArm"] == "LeftArm"
-    assert facts["warnings"] == [{"what": "says 32 frames, holds 31 data lines: all of these are used"}]
+    assert facts["warnings"] == [{"what": "says 32 frames, holds 31 data lines: all of them are used"}]
     with np.load(out) as written:
         assert sorted(written.files) == ["names", "positions"]
         assert written["names"].tolist() == list(NAMES)

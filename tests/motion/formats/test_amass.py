@@ -130,7 +130,7 @@ def spoilt(**changes: object) -> bytes:
         (b"", "no zip archive"),
         (b"PK\3\4" + bytes(50), "no zip archive"),
         (spoilt()[:-100], "no zip archive"),
-        (packed(a=np.zeros(3)), "there is no array 'poses' among a"),
+        (packed(a=np.zeros(3)), "no array 'poses' among a"),
         (spoilt(poses=np.zeros((4, 100))), r"poses has the shape \(4, 100\); \(frames, 66 or 72"),
         (spoilt(poses=np.zeros(4)), r"poses has the shape \(4,\)"),
         (spoilt(poses=np.zeros((0, 156)), trans=np.zeros((0, 3))), "no frames"),

@@ -100,7 +100,7 @@ def test_what_a_motion_says(end: str) -> None:
     motion = parse_amc(AMC.replace("\n", end).encode(), "x.amc", small())
     assert (motion.frame_count, motion.joint_count, motion.channel_count) == (2, 4, 10)
     assert motion.header_fps == 120.0
-    assert "does not say how many frames a second has" in motion.warnings[0].what
+    assert "does not state its frame rate" in motion.warnings[0].what
     assert motion.translation[:, 0].tolist() == [[1, 2, 3], [1, 2, 3]]
     assert motion.root_offset == "zero"
     np.testing.assert_allclose(motion.rotation[1], [(1, 0, 0, 0)] * 4, atol=1e-15)
@@ -127,7 +127,7 @@ def test_bones_may_come_in_any_order_in_a_frame() -> None:
 
 def test_missing_frames_are_a_warning_with_the_line() -> None:
     warning = parse_amc(AMC.replace("\n2\n", "\n7\n").encode(), "x", small()).warnings[0]
-    assert (warning.what, warning.line) == ("frame 7 comes after 1: what lies between is missing", 8)
+    assert (warning.what, warning.line) == ("frame 7 comes after 1: the frames between are missing", 8)
 
 
 def rows_matrix(x: float, y: float, z: float) -> np.ndarray:
@@ -266,9 +266,9 @@ def test_legs_are_as_in_the_cmus_bvh_files(file: str) -> None:
         ("length 2\n  end", "length 2", 38, "within bone 'stiff'; 'end' expected"),
         ("length 2\n  end\n", "length 2\n  begin\n", 38, "'begin' was read within a bone"),
         ("thigh shin\n", "thigh shin knee\n", 42, "'knee' is no bone"),
-        ("thigh shin\n", "thigh shin\n    stiff shin\n", 43, "'shin' hangs in two places"),
-        ("    root thigh stiff\n", "    root thigh\n", 43, "'stiff' does not hang on the root"),
-        ("    root thigh stiff\n    thigh shin", "    thigh shin\n    shin thigh", 43, "does not hang on the root"),
+        ("thigh shin\n", "thigh shin\n    stiff shin\n", 43, "'shin' has two parents"),
+        ("    root thigh stiff\n", "    root thigh\n", 43, "'stiff' is not connected to the root"),
+        ("    root thigh stiff\n    thigh shin", "    thigh shin\n    shin thigh", 43, "is not connected to the root"),
         (":hierarchy", ":anything", 43, "no :hierarchy up to the end"),
         ("  begin\n    root", "  start\n    root", 40, "'start' stands alone"),
     ],

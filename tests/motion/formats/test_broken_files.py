@@ -32,20 +32,20 @@ Change = Callable[[dict[str, Any]], object]
 REFUSED: dict[str, tuple[Change, str]] = {
     "avatar": (lambda j: j.pop("animations"), "an avatar .* without an animation"),
     "model": (lambda j: (j.pop("animations"), j.pop("skins")), "a model without an animation"),
-    "circle": (lambda j: j["nodes"][1].update(children=[0]), "circle"),
-    "own child": (lambda j: j["nodes"][0].update(children=[0, 1]), "circle"),
-    "two parents": (lambda j: (j["nodes"].append({"children": [1]})), "has a parent already"),
+    "circle": (lambda j: j["nodes"][1].update(children=[0]), "form a cycle"),
+    "own child": (lambda j: j["nodes"][0].update(children=[0, 1]), "form a cycle"),
+    "two parents": (lambda j: (j["nodes"].append({"children": [1]})), "already has a parent"),
     "no such child": (lambda j: j["nodes"][1].update(children=[99]), r"nodes\[1\].children\[0\] is 99"),
     "negative": (lambda j: j["nodes"][1].update(children=[-1]), r"children\[0\] is -1"),
     "a true child": (lambda j: j["nodes"][1].update(children=[True]), "a whole number expected"),
     "nodes no array": (lambda j: j.update(nodes={}), "nodes is an object; an array expected"),
     "a node no object": (lambda j: j["nodes"].append(7), r"nodes\[2\] is a number; an object expected"),
-    "a billion keys": (lambda j: j["accessors"][0].update(count=10**9), "beyond its bufferView"),
+    "a billion keys": (lambda j: j["accessors"][0].update(count=10**9), "exceed its bufferView"),
     "a billion zeros": (
         lambda j: (j["accessors"][0].update(count=10**9), j["accessors"][0].pop("bufferView")),
         "asks for 1000000000 numbers",
     ),
-    "beyond": (lambda j: j["accessors"][1].update(byteOffset=40), "beyond its bufferView"),
+    "beyond": (lambda j: j["accessors"][1].update(byteOffset=40), "exceed its bufferView"),
     "no such view": (lambda j: j["accessors"][1].update(bufferView=50), r"accessors\[1\].bufferView is 50"),
     "view beyond": (lambda j: j["bufferViews"][1].update(byteLength=10**6), "bufferViews.1. ends at byte"),
     "no such accessor": (lambda j: j["animations"][0]["samplers"][0].update(input=9), "no number 9"),
@@ -136,7 +136,7 @@ def test_a_file_beside_that_cannot_be_read_is_named() -> None:
     def resolve(name: str) -> bytes:
         raise FileNotFoundError(2, "No such file", name)
 
-    with pytest.raises(MotionFileError, match=r"'a\.bin' cannot be read: No such file; put it beside"):
+    with pytest.raises(MotionFileError, match=r"'a\.bin' cannot be read: No such file; put it next to"):
         parse_gltf(made().text("a.bin"), "broken.gltf", resolve)
 
 

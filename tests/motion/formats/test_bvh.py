@@ -93,7 +93,7 @@ Frame Time: 0.01
 def test_a_wrong_frame_count_is_a_warning(declared: int, held: int) -> None:
     motion = parse_bvh(SMALL.replace("Frames: 2", f"Frames: {declared}"), "x")
     assert motion.frame_count == held
-    assert motion.warnings == (f"says {declared} frames, holds {held} data lines: all of these are used",)
+    assert motion.warnings == (f"says {declared} frames, holds {held} data lines: all of them are used",)
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def test_bodies_have_the_size_of_people(row: dict[str, Any]) -> None:
 @pytest.mark.shared
 def test_the_run_in_of_salsa_is_named() -> None:
     facts, _ = facts_of("salsa/60_01.bvh")
-    assert any("frames 1 to 5 a run-in" in one.what and "drop_frames = 6" in one.what for one in facts.warnings)
+    assert any("frames 1 to 5 a transition" in one.what and "drop_frames = 6" in one.what for one in facts.warnings)
     assert facts.travel_m == pytest.approx(14.4, abs=0.2)
 
 
@@ -202,7 +202,7 @@ def test_what_cannot_be_told_is_null_and_said() -> None:
     assert (facts.floor_m, facts.height_m, facts.travel_m) == (None, None, None)
     assert set(facts.mapped.values()) == {None}
     words = " ".join(one.what for one in facts.warnings)
-    for part in ("no body", "OFFSET", "which axis points up", "how long a unit is"):
+    for part in ("no body", "OFFSET", "up axis is unknown", "length of a unit"):
         assert part in words
     assert tracks.positions.tolist() == [[[1.0, 7.0, 3.0]]]
     given, tracks = find_facts(
@@ -226,7 +226,7 @@ def test_a_root_that_stays_is_named() -> None:
     moved = [f"{n} " + row.split(" ", 1)[1] for n, row in enumerate(rows)]
     motion = source_of_bvh(parse_bvh(f"{head}Frame Time: 0.1\n" + "\n".join(moved), "x"))
     facts, _ = find_facts(motion)
-    assert any("the root World stays where it is; Hips below it travels" in one.what for one in facts.warnings)
+    assert any("the root World does not move; Hips below it travels" in one.what for one in facts.warnings)
     assert facts.travel_m == pytest.approx(0.19)
 
 
